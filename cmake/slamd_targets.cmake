@@ -1,0 +1,107 @@
+# One library per folder; the compiler enforces the layers.
+#
+# Each library has an include root of its own, <build>/include/<name>, which holds nothing but a link to its
+# folder. A target sees the roots of its DEPS only, so an undeclared include is "No such file or directory".
+# Debian's third-party headers share /usr/include; a target therefore also gets, in front of everything
+# else, a root of tripwire headers (#error) for each third-party library that it does not declare.
+
+# The one place for compiler flags.
+add_library(slamd_flags INTERFACE)
+target_compile_options(slamd_flags INTERFACE
+  -Wall -Wextra -Wpedantic -Wshadow -Wold-style-cast -Wnon-virtual-dtor -Woverloaded-virtual -Wundef
+  -ffp-contract=off  # the same sums on every machine, with FMA or without
+  $<$<BOOL:${SLAMD_WARNINGS_AS_ERRORS}>:-Werror>)
+
+function(_slamd_target_name out folder)
+  string(REPLACE "/" "_" name ${folder})
+  set(${out} slamd_${name} PARENT_SCOPE)
+endfunction()
+
+# Links DEPS (folders such as core/base, or third-party names such as eigen) and sets the tripwires.
+function(_slamd_link target visibility deps)
+  set(undeclared ${SLAMD_THIRD_PARTY})
+  foreach(dep IN LISTS deps)
+    if(dep IN_LIST SLAMD_THIRD_PARTY)
+      list(REMOVE_ITEM undeclared ${dep})
+      target_link_libraries(${target} ${visibility} third_party_${dep})
+    else()
+      _slamd_target_name(name ${dep})
+      target_link_libraries(${target} ${visibility} ${name})
+      get_property(inherited GLOBAL PROPERTY SLAMD_THIRD_PARTY_OF_${name})
+      foreach(item IN LISTS inherited)
+        list(REMOVE_ITEM undeclared ${item})
+      endforeach()
+    endif()
+  endforeach()
+  set(declared ${SLAMD_THIRD_PARTY})
+  foreach(item IN LISTS undeclared)
+    list(REMOVE_ITEM declared ${item})
+  endforeach()
+  set_property(GLOBAL PROPERTY SLAMD_THIRD_PARTY_OF_${target} "${declared}")
+  if(NOT visibility STREQUAL "INTERFACE")
+    foreach(item IN LISTS undeclared)
+      target_include_directories(${target} BEFORE PRIVATE ${PROJECT_BINARY_DIR}/tripwire/${item})
+    endforeach()
+  endif()
+endfunction()
+
+# slamd_library(FOLDER [HEADERS h...] [SOURCES s...] [DEPS d...]): without SOURCES a header-only library.
+function(slamd_library folder)
+  cmake_parse_arguments(arg "" "" "HEADERS;SOURCES;DEPS" ${ARGN})
+  if(arg_UNPARSED_ARGUMENTS)
+    message(FATAL_ERROR "slamd_library(${folder}): unexpected ${arg_UNPARSED_ARGUMENTS}")
+  endif()
+  _slamd_target_name(name ${folder})
+  set(root ${PROJECT_BINARY_DIR}/include/${name})
+  get_filename_component(parent ${root}/${folder} DIRECTORY)
+  file(MAKE_DIRECTORY ${parent})
+  file(CREATE_LINK ${PROJECT_SOURCE_DIR}/${folder} ${root}/${folder} SYMBOLIC)
+  list(TRANSFORM arg_HEADERS PREPEND ${root}/${folder}/)
+  list(TRANSFORM arg_SOURCES PREPEND ${PROJECT_SOURCE_DIR}/${folder}/)
+  if(arg_SOURCES)
+    add_library(${name} STATIC ${arg_SOURCES})
+    set(visibility PUBLIC)
+    target_link_libraries(${name} PRIVATE slamd_flags)
+  else()
+    add_library(${name} INTERFACE)
+    set(visibility INTERFACE)
+  endif()
+  if(arg_HEADERS)
+    target_sources(${name} ${visibility} FILE_SET HEADERS BASE_DIRS ${root} FILES ${arg_HEADERS})
+    # `cmake --build ... --target all_verify_interface_header_sets` proves that each header compiles alone.
+    set_target_properties(${name} PROPERTIES VERIFY_INTERFACE_HEADER_SETS ON)
+  endif()
+  _slamd_link(${name} ${visibility} "${arg_DEPS}")
+endfunction()
+
+# slamd_program(NAME FOLDER SOURCES s... [DEPS d...]): a program in <build>/bin.
+function(slamd_program program folder)
+  cmake_parse_arguments(arg "" "" "SOURCES;DEPS" ${ARGN})
+  list(TRANSFORM arg_SOURCES PREPEND ${PROJECT_SOURCE_DIR}/${folder}/)
+  add_executable(${program} ${arg_SOURCES})
+  target_link_libraries(${program} PRIVATE slamd_flags)
+  _slamd_link(${program} PRIVATE "${arg_DEPS}")
+endfunction()
+
+# slamd_test(FOLDER SOURCES s... [DEPS d...] [LABELS l...]): the tests of one folder, as one program.
+# It sees only what the folder's own DEPS list, the folder itself and gtest. Labels: "threads" marks what the
+# ThreadSanitizer run repeats.
+function(slamd_test folder)
+  cmake_parse_arguments(arg "" "" "SOURCES;DEPS;LABELS" ${ARGN})
+  if(arg_UNPARSED_ARGUMENTS)
+    message(FATAL_ERROR "slamd_test(${folder}): unexpected ${arg_UNPARSED_ARGUMENTS}")
+  endif()
+  string(REPLACE "/" "_" name ${folder})
+  set(name test_${name})
+  list(TRANSFORM arg_SOURCES PREPEND ${PROJECT_SOURCE_DIR}/tests/${folder}/)
+  add_executable(${name} ${arg_SOURCES})
+  set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/tests)
+  target_link_libraries(${name} PRIVATE slamd_flags)
+  target_compile_definitions(${name} PRIVATE
+    SLAMD_SHARED_DATA_DIR="${PROJECT_SOURCE_DIR}/../shared/data"
+    SLAMD_SOURCE_DIR="${PROJECT_SOURCE_DIR}"
+    SLAMD_BINARY_DIR="${PROJECT_BINARY_DIR}")
+  _slamd_link(${name} PRIVATE "gtest_main;${arg_DEPS}")
+  add_test(NAME ${folder} COMMAND ${name})
+  set_tests_properties(${folder} PROPERTIES LABELS "${arg_LABELS}")
+endfunction()
