@@ -1,0 +1,52 @@
+#include "core/map/surface_cell.hpp"
+
+#include <Eigen/Eigenvalues>
+
+namespace slamd::map {
+
+namespace {
+
+constexpr std::uint32_t kMinPoints = 5;
+/// Past this many points a cell's mean hardly moves any more; it stops learning and costs nothing.
+constexpr std::uint32_t kMaxPoints = 200;
+
+}  // namespace
+
+void SurfaceCell::add(const Eigen::Vector3f& p_odom) {
+  if (count >= kMaxPoints) {
+    return;
+  }
+  if (count == 0) {
+    anchor_odom = p_odom;
+  }
+  ++count;
+  const Eigen::Vector3f d = p_odom - anchor_odom;
+  sum += d;
+  square_sum.noalias() += d * d.transpose();
+  if (count >= kMinPoints && 4 * count >= 5 * fitted_count) {
+    fit();
+  }
+}
+
+void SurfaceCell::fit() {
+  fitted_count = count;
+  const float n = static_cast<float>(count);
+  const Eigen::Vector3f mean = sum / n;
+  mean_odom = anchor_odom + mean;
+  const Eigen::Matrix3f covariance = square_sum / n - mean * mean.transpose();
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3f> solver;
+  solver.computeDirect(covariance);
+  const Eigen::Vector3f& lambda = solver.eigenvalues();
+  const float floor = 1e-5F;  // (3 mm)²: below the sensor's noise ratios mean nothing
+  if (lambda[2] > 8.0F * std::max(lambda[1], floor)) {
+    surface = Surface::kLine;
+    axis_odom = solver.eigenvectors().col(2);
+  } else if (lambda[1] > 4.0F * std::max(lambda[0], floor)) {
+    surface = Surface::kPlane;
+    axis_odom = solver.eigenvectors().col(0);
+  } else {
+    surface = Surface::kUnknown;
+  }
+}
+
+}  // namespace slamd::map
