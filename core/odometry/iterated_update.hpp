@@ -1,0 +1,51 @@
+#pragma once
+
+#include "core/base/bounded_vector.hpp"
+#include "core/inertial/nav_state.hpp"
+#include "core/map/voxel_map.hpp"
+#include "core/registration/association.hpp"
+#include "core/registration/constraint.hpp"
+#include "core/scan/preprocessor.hpp"
+
+namespace slamd::odometry {
+
+/// How the iterated EKF weighs and stops.
+struct UpdateConfig {
+  registration::AssociationConfig association;
+  int max_iterations = 6;
+  int associations = 3;           // look-ups of the neighbours; in between the planes stay
+  double kernel_m = 0.1;          // Cauchy
+  double information_share = 0.2;  // neighbouring points share their errors: this part of them counts
+  double converged_m = 0.0005;
+  double converged_rad = 0.0001;
+  std::size_t min_constraints = 60;
+};
+
+/// The posterior, and how well it stands.
+struct UpdateResult {
+  inertial::NavState state;
+  inertial::Covariance P = inertial::Covariance::Identity();
+  geometry::Matrix6d information = geometry::Matrix6d::Zero();  // of the scan alone, in (δp, δθ)
+  std::size_t constraints = 0;
+  double inlier_ratio = 0.0;       // constraints within the kernel
+  double matched_ratio = 0.0;      // features that became constraints
+  double mean_residual_m = 0.0;
+  double innovation = 0.0;         // squared Mahalanobis length of the pose's correction under the prior, 6 DoF
+  int iterations = 0;
+  bool converged = false;
+  bool enough = false;             // constraints for an update; otherwise the prior stands
+};
+
+/// Updates the predicted state with a scan: iterated EKF on point-to-plane and point-to-line constraints, in
+/// information form. `T_odom_imu_start` is where it is linearised first: the prediction, or the swarm's mode.
+/// Source: iterated error-state Kalman filter as maximum a posteriori (Bell and Cathey, 1993; Xu et al., 2022).
+/// Real-time: no allocation; `scratch` holds one constraint a planar feature and two an edge.
+UpdateResult iterated_update(const inertial::NavState& prior,
+                             const inertial::Covariance& P_prior,
+                             const scan::DeskewedScan& scan,
+                             const map::VoxelMap& map,
+                             const geometry::Se3& T_odom_imu_start,
+                             const UpdateConfig& config,
+                             BoundedVector<registration::Constraint>& scratch);
+
+}  // namespace slamd::odometry

@@ -1,0 +1,217 @@
+#include "core/odometry/odometry.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/geometry/so3.hpp"
+#include "core/odometry/degeneracy.hpp"
+
+namespace slamd::odometry {
+
+using geometry::Matrix6d;
+using geometry::Se3;
+using geometry::Vector6d;
+using inertial::kGyroBias;
+using inertial::kPosition;
+using inertial::kRotation;
+using inertial::kVelocity;
+using scan::DeskewedScan;
+
+Odometry::Odometry(const OdometryConfig& config)
+    : config_(config),
+      map_(config.map),
+      psf_(config.psf, config.seed),
+      environment_(config.environment, config.indoor_below_m, config.outdoor_above_m),
+      constraints_(config.preprocess.max_planar + 2 * config.preprocess.max_edge),
+      points_odom_(config.preprocess.max_map_points),
+      swarm_points_imu_(config.psf.points) {}
+
+void Odometry::start(const inertial::Alignment& alignment) {
+  state_ = alignment.state;
+  P_ = alignment.P;
+  started_ = true;
+}
+
+void Odometry::start_without_imu(Stamp stamp) {
+  state_ = inertial::NavState{};
+  state_.stamp = stamp;
+  P_.setIdentity();
+  P_ *= 1e-8;
+  P_.diagonal().segment<3>(kVelocity).setConstant(25.0);   // up to a vehicle's pace at once
+  P_.diagonal().segment<3>(kGyroBias).setConstant(0.25);   // −ω: see propagate_constant_velocity
+  started_ = true;
+}
+
+// The whole of the odometry, a line a step (design.md, "Odometry: the adapted particle swarm filter").
+OdometryResult Odometry::process(const DeskewedScan& scan, std::span<const sensor::ImuSample> samples) {
+  environment_.add(scan.median_range_m);
+  const Cause prediction_cause = predict(scan.end, samples);                     // 1
+  if (map_.empty()) {
+    extend_map(scan);
+    return result_of(scan, prediction_cause, UpdateResult{.state = state_, .P = P_});
+  }
+  psf::Answer swarm;
+  const UpdateResult posterior = update(scan, prediction_cause, swarm);          // 1–8
+  const Cause update_cause = judge(posterior);                                   // 9, 10
+  const double moved_m = (posterior.state.T_odom_imu.translation() - state_.T_odom_imu.translation()).norm();
+  path_m_ += moved_m;
+  state_ = posterior.state;
+  P_ = posterior.P;
+  const bool trusted = update_cause == Cause::kNone || update_cause == Cause::kDegenerate;
+  if (trusted) {
+    extend_map(scan);
+  }
+  OdometryResult result = result_of(scan, update_cause == Cause::kNone ? prediction_cause : update_cause, posterior);
+  result.map_updated = trusted;
+  result.swarm = swarm;
+  return result;
+}
+
+Cause Odometry::predict(Stamp to, std::span<const sensor::ImuSample> samples) {
+  const Eigen::Vector3d before = state_.T_odom_imu.translation();
+  Cause cause = Cause::kNone;
+  if (samples.empty()) {
+    cause = config_.use_imu ? Cause::kNoImu : Cause::kNone;
+    inertial::propagate_constant_velocity(state_, P_, to, config_.constant_velocity);
+    rate_imu_radps_ = -state_.gyro_bias;
+  } else {
+    for (std::size_t i = 0; i + 1 < samples.size(); ++i) {
+      cause = samples[i + 1].stamp - samples[i].stamp > config_.max_imu_gap ? Cause::kImuGap : cause;
+    }
+    cause = to - samples.back().stamp > config_.max_imu_gap ? Cause::kImuGap : cause;
+    inertial::propagate(state_, P_, samples, to, config_.imu_noise);
+    rate_imu_radps_ = samples.back().angular_rate_radps - state_.gyro_bias;
+    if (cause == Cause::kImuGap) {
+      // Nobody knows what happened meanwhile.
+      P_.diagonal().segment<3>(kVelocity).array() += 0.25;
+      P_.diagonal().segment<3>(kPosition).array() += 0.01;
+      P_.diagonal().segment<3>(kRotation).array() += 0.01;
+    }
+  }
+  path_m_ += (state_.T_odom_imu.translation() - before).norm();
+  return cause;
+}
+
+UpdateResult Odometry::update(const DeskewedScan& scan, Cause prediction_cause, psf::Answer& swarm) {
+  const UpdateResult plain =
+      iterated_update(state_, P_, scan, map_, state_.T_odom_imu, config_.update, constraints_);
+  if (config_.filter == Filter::kIekf) {
+    return plain;
+  }
+  psf::Question question;
+  question.T_odom_imu_prior = state_.T_odom_imu;
+  question.P_prior = P_.block<6, 6>(kPosition, kPosition);
+  question.T_odom_imu_plain = plain.state.T_odom_imu;
+  question.indoor = environment_.indoor();
+  const Cause doubt = judge(plain);
+  question.distrust_prior =
+      prediction_cause == Cause::kImuGap || (doubt != Cause::kNone && doubt != Cause::kDegenerate);
+  question.scan_index = scan.index;
+  swarm = psf_.answer(swarm_points(scan), map_, question);
+  if (!swarm.swarm_won) {
+    return plain;
+  }
+  // The winner is where the final EKF update is linearised. Where the prior excludes it, the prior was wrong.
+  const Vector6d error = geometry::boxminus(swarm.T_odom_imu, state_.T_odom_imu);
+  if (error.dot(question.P_prior.ldlt().solve(error)) > 9.0) {
+    P_.block<6, 6>(kPosition, kPosition) += error * error.transpose();
+    const double dt_s = 0.1;  // a wrong pose came with a wrong velocity, of about a scan's length ago
+    P_.diagonal().segment<3>(kVelocity) += (error.head<3>() / dt_s).cwiseAbs2();
+  }
+  UpdateResult posterior =
+      iterated_update(state_, P_, scan, map_, swarm.T_odom_imu, config_.update, constraints_);
+  posterior.innovation = 0.0;  // it was judged by the gate
+  return posterior;
+}
+
+Cause Odometry::judge(const UpdateResult& update) const {
+  if (!update.enough || update.matched_ratio < config_.min_matched_ratio) {
+    return Cause::kFewConstraints;
+  }
+  if (update.inlier_ratio < config_.min_inlier_ratio) {
+    return Cause::kFewInliers;
+  }
+  if (update.innovation > config_.max_innovation) {
+    return Cause::kLargeInnovation;
+  }
+  return weak_axes(update.information, config_.degenerate_share) != 0 ? Cause::kDegenerate : Cause::kNone;
+}
+
+void Odometry::extend_map(const DeskewedScan& scan) {
+  const Eigen::Matrix3f R = state_.T_odom_imu.rotation().cast<float>();
+  const Eigen::Vector3f t = state_.T_odom_imu.translation().cast<float>();
+  points_odom_.clear();
+  for (const Eigen::Vector3f& p_imu : scan.map_points_imu) {
+    points_odom_.push_back(R * p_imu + t);
+  }
+  map_.insert(points_odom_.view(), path_m_);
+}
+
+std::span<const Eigen::Vector3f> Odometry::swarm_points(const DeskewedScan& scan) {
+  swarm_points_imu_.clear();
+  const std::size_t features = scan.planar.size() + scan.edge.size();
+  const std::size_t wanted = std::min(features, swarm_points_imu_.capacity());
+  for (std::size_t k = 0; k < wanted; ++k) {
+    const std::size_t i = k * features / wanted;
+    swarm_points_imu_.push_back(i < scan.planar.size() ? scan.planar[i].p_imu
+                                                       : scan.edge[i - scan.planar.size()].p_imu);
+  }
+  return swarm_points_imu_.view();
+}
+
+OdometryResult Odometry::result_of(const DeskewedScan& scan, Cause cause, const UpdateResult& update) {
+  OdometryResult result;
+  result.scan_index = scan.index;
+  result.stamp = scan.end;
+  result.cause = cause;
+  result.state = next_state(cause);
+  result.T_odom_imu = state_.T_odom_imu;
+  const Se3 T_imu_base = config_.T_base_imu.inverse();
+  result.T_odom_base = state_.T_odom_imu * T_imu_base;
+  const Eigen::Matrix3d& R_odom_imu = state_.T_odom_imu.rotation();
+  result.v_odom_base = state_.v_odom_imu + R_odom_imu * rate_imu_radps_.cross(T_imu_base.translation());
+  // δp_base = δp_imu − R [t]× δθ_imu and δθ_base = R_base_imu δθ_imu.
+  Matrix6d J = Matrix6d::Identity();
+  J.topRightCorner<3, 3>() = -R_odom_imu * geometry::skew(T_imu_base.translation());
+  J.bottomRightCorner<3, 3>() = config_.T_base_imu.rotation();
+  result.P_odom_base = J * P_.block<6, 6>(kPosition, kPosition) * J.transpose();
+  result.weak_axes = update.constraints == 0 ? 0 : weak_axes(update.information, config_.degenerate_share);
+  result.indoor = environment_.indoor();
+  result.update = update;
+  return result;
+}
+
+State Odometry::next_state(Cause cause) {
+  const bool bad = cause == Cause::kFewConstraints || cause == Cause::kFewInliers || cause == Cause::kLargeInnovation;
+  bad_scans_ = bad ? bad_scans_ + 1 : 0;
+  if (bad_scans_ > config_.lost_after) {
+    return State::kLost;
+  }
+  return cause == Cause::kNone ? State::kTracking : State::kDegraded;
+}
+
+const char* name_of(State state) {
+  switch (state) {
+    case State::kStarting: return "STARTING";
+    case State::kTracking: return "TRACKING";
+    case State::kDegraded: return "DEGRADED";
+    case State::kLost: return "LOST";
+  }
+  return "?";
+}
+
+const char* name_of(Cause cause) {
+  switch (cause) {
+    case Cause::kNone: return "none";
+    case Cause::kAligning: return "aligning the inertial sensor";
+    case Cause::kNoImu: return "no inertial samples";
+    case Cause::kImuGap: return "gap in the inertial samples";
+    case Cause::kFewConstraints: return "too little of the scan meets the map";
+    case Cause::kFewInliers: return "the scan does not fit the map";
+    case Cause::kLargeInnovation: return "the scan contradicts the prediction";
+    case Cause::kDegenerate: return "a direction that the scan does not see";
+  }
+  return "?";
+}
+
+}  // namespace slamd::odometry

@@ -1,0 +1,99 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+
+#include "core/base/bounded_vector.hpp"
+#include "core/odometry/environment.hpp"
+#include "core/odometry/iterated_update.hpp"
+#include "core/odometry/odometry_config.hpp"
+#include "core/psf/particle_swarm_filter.hpp"
+
+namespace slamd::odometry {
+
+/// How much of the pose to believe (design.md, "States").
+enum class State : std::uint8_t { kStarting, kTracking, kDegraded, kLost };
+
+/// Why it is not better.
+enum class Cause : std::uint8_t {
+  kNone,
+  kAligning,          // the inertial sensor is being levelled
+  kNoImu,             // configured, but silent: at constant velocity
+  kImuGap,
+  kFewConstraints,    // too little of the scan meets the map
+  kFewInliers,
+  kLargeInnovation,   // the scan contradicts the prediction
+  kDegenerate,        // a direction that the scan does not see
+};
+
+const char* name_of(State state);
+const char* name_of(Cause cause);
+
+/// The pose after a scan.
+/// Frames: pose and velocity of base in odom; covariance of (δp, δθ) of T_odom_base.  Units: m, rad, m/s.
+struct OdometryResult {
+  std::uint64_t scan_index = 0;
+  Stamp stamp{};
+  State state = State::kStarting;
+  Cause cause = Cause::kAligning;
+  geometry::Se3 T_odom_base;
+  geometry::Se3 T_odom_imu;
+  Eigen::Vector3d v_odom_base = Eigen::Vector3d::Zero();
+  geometry::Matrix6d P_odom_base = geometry::Matrix6d::Identity();
+  std::uint8_t weak_axes = 0;  // bits 0..2: x, y, z of odom; 3..5: turns about them
+  bool indoor = false;
+  bool map_updated = false;
+  psf::Answer swarm;
+  UpdateResult update;
+};
+
+/// The odometry: inertial prediction, iterated EKF, particle swarm filter and local map, a scan at a time.
+/// Real-time: allocates in the constructor only; odometry thread only.
+class Odometry {
+ public:
+  explicit Odometry(const OdometryConfig& config);
+
+  /// Sets the first state; scans before it are not to be given.
+  void start(const inertial::Alignment& alignment);
+
+  /// Starts where there is no inertial sensor: odom is base at `stamp`.
+  void start_without_imu(Stamp stamp);
+
+  bool started() const { return started_; }
+
+  /// Takes a deskewed scan in and returns the pose at its end.
+  /// `samples` bracket the time since the last scan; empty: constant velocity.
+  OdometryResult process(const scan::DeskewedScan& scan, std::span<const sensor::ImuSample> samples);
+
+  const inertial::NavState& state() const { return state_; }
+  const inertial::Covariance& covariance() const { return P_; }
+  const map::VoxelMap& map() const { return map_; }
+  bool indoor() const { return environment_.indoor(); }
+
+ private:
+  Cause predict(Stamp to, std::span<const sensor::ImuSample> samples);
+  UpdateResult update(const scan::DeskewedScan& scan, Cause prediction_cause, psf::Answer& swarm);
+  Cause judge(const UpdateResult& update) const;
+  void extend_map(const scan::DeskewedScan& scan);
+  OdometryResult result_of(const scan::DeskewedScan& scan, Cause cause, const UpdateResult& update);
+  State next_state(Cause cause);
+  std::span<const Eigen::Vector3f> swarm_points(const scan::DeskewedScan& scan);
+
+  OdometryConfig config_;
+  map::VoxelMap map_;
+  psf::ParticleSwarmFilter psf_;
+  EnvironmentEstimate environment_;
+  bool started_ = false;
+  inertial::NavState state_;
+  inertial::Covariance P_ = inertial::Covariance::Identity();
+  Eigen::Vector3d rate_imu_radps_ = Eigen::Vector3d::Zero();  // at the last scan's end
+  double path_m_ = 0.0;
+  int bad_scans_ = 0;
+  // scratch, sized once
+  BoundedVector<registration::Constraint> constraints_;
+  BoundedVector<Eigen::Vector3f> points_odom_;
+  BoundedVector<Eigen::Vector3f> swarm_points_imu_;
+};
+
+}  // namespace slamd::odometry

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <cstdint>
+
+#include "core/geometry/se3.hpp"
+#include "core/inertial/propagation.hpp"
+#include "core/inertial/start_up_alignment.hpp"
+#include "core/map/voxel_map.hpp"
+#include "core/odometry/iterated_update.hpp"
+#include "core/psf/particle_swarm_filter.hpp"
+#include "core/scan/preprocessor.hpp"
+
+namespace slamd::odometry {
+
+/// Which filter runs: the particle swarm filter, or its own ablation.
+enum class Filter : std::uint8_t { kPsf, kIekf };
+
+/// Where the robot is, as far as cell sizes and the little square are concerned.
+enum class Environment : std::uint8_t { kAuto, kIndoor, kOutdoor };
+
+/// Everything the odometry is built from. The defaults serve a ground vehicle with a MEMS inertial sensor.
+struct OdometryConfig {
+  Filter filter = Filter::kPsf;
+  Environment environment = Environment::kAuto;
+  std::uint64_t seed = 1;
+  bool use_imu = true;                 // false: LiDAR only, at constant velocity
+  geometry::Se3 T_base_imu;            // identity when LiDAR only
+  geometry::Se3 T_base_lidar;
+  inertial::ImuNoise imu_noise;
+  inertial::ConstantVelocityNoise constant_velocity;
+  inertial::StartUpConfig start_up;
+  scan::PreprocessConfig preprocess;
+  map::VoxelMapConfig map;
+  UpdateConfig update;
+  psf::PsfConfig psf;
+  double indoor_below_m = 8.0;         // median range of the last ten scans, with hysteresis
+  double outdoor_above_m = 12.0;
+  double min_inlier_ratio = 0.5;
+  double min_matched_ratio = 0.25;
+  double max_innovation = 60.0;        // squared Mahalanobis length; beyond, the prediction was wrong
+  double degenerate_share = 0.01;      // of the scan's information in its weakest direction
+  Duration max_imu_gap = std::chrono::milliseconds(50);
+  int lost_after = 20;                 // scans without a trustworthy update
+};
+
+}  // namespace slamd::odometry
