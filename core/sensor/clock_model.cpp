@@ -1,0 +1,322 @@
+#include "core/sensor/clock_model.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/assert.hpp"
+
+namespace slamd::sensor {
+
+namespace {
+
+constexpr double kBucket_ns = 100e6;
+constexpr double kWindow_ns = 12.8e9;
+constexpr double kFitSpan_ns = 1e9;      // below this the window says nothing about the skew
+constexpr double kAcquisition_ns = 1e9;  // at least, and until the mapping is as close as this:
+constexpr double kAcquired_ns = 100e3;
+constexpr double kAcquisitionStep_ns = 100e6;  // the first packets may be this late without a step
+constexpr double kStep_ns = std::chrono::duration<double, std::nano>(ClockModel::kStep).count();
+constexpr double kFarAbove_ns = 500e6;
+constexpr double kAgreement_ns = 100e6;
+constexpr Duration kSpanAfterGoingBack = std::chrono::milliseconds{50};
+constexpr Duration kSpanFarAbove = std::chrono::seconds{1};
+
+// A device may send any 64 bits: sums and differences wrap instead of overflowing.
+std::int64_t sum(std::int64_t a, std::int64_t b) {
+  return static_cast<std::int64_t>(static_cast<std::uint64_t>(a) + static_cast<std::uint64_t>(b));
+}
+
+std::int64_t difference(std::int64_t a, std::int64_t b) {
+  return static_cast<std::int64_t>(static_cast<std::uint64_t>(a) - static_cast<std::uint64_t>(b));
+}
+
+std::int64_t nanoseconds(Stamp stamp) {
+  return stamp.time_since_epoch().count();
+}
+
+// The value that equals rest modulo period and is nearest to target.
+std::int64_t nearest_congruent(std::int64_t rest, std::int64_t period, std::int64_t target) {
+  std::int64_t distance = difference(rest, target) % period;  // in (-period, period)
+  if (2 * distance >= period) {
+    distance -= period;
+  } else if (2 * distance < -period) {
+    distance += period;
+  }
+  return sum(target, distance);
+}
+
+}  // namespace
+
+ClockModel::ClockModel(const ClockConfig& config) : config_(config) {
+  SLAMD_ASSERT(config.roll_over >= Duration::zero() &&
+               config.roll_over <= std::chrono::hours{24 * 365});
+}
+
+Stamp ClockModel::map(DeviceStamp device, Stamp arrival) {
+  ++health_.stamps;
+  const std::int64_t raw_ns = device.time_since_epoch().count();
+  const std::int64_t device_ns = unrolled_ns(raw_ns, arrival);
+  std::int64_t mapped_ns = nanoseconds(arrival);
+  if (anchored_) {
+    const std::int64_t before_ns = newest_device_ns_;
+    mapped_ns = sum(device_ns, offset_ns(device_ns, arrival));
+    const bool became_newest = newest_device_ns_ == device_ns;
+    health_.roll_overs += became_newest && device_ns > before_ns && raw_ns < newest_raw_ns_ ? 1 : 0;
+    newest_raw_ns_ = became_newest ? raw_ns : newest_raw_ns_;
+  } else {
+    anchor(device_ns, arrival, 0.0, 0.0);
+    newest_raw_ns_ = raw_ns;
+  }
+  if (config_.kind == ClockKind::kShared) {
+    mapped_ns = device_ns;
+  }
+  count_residual(difference(nanoseconds(arrival), mapped_ns));
+  return Stamp{Duration{mapped_ns}};
+}
+
+void ClockModel::clear_residual() {
+  residual_sum_ns_ = 0.0;
+  residuals_ = 0;
+  health_.residual_mean = Duration::zero();
+  health_.residual_max = Duration::zero();
+}
+
+std::int64_t ClockModel::unrolled_ns(std::int64_t raw_ns, Stamp arrival) const {
+  if (config_.roll_over == Duration::zero()) {
+    return raw_ns;
+  }
+  if (config_.kind == ClockKind::kShared) {
+    return nearest_congruent(raw_ns, config_.roll_over.count(), nanoseconds(arrival));
+  }
+  if (!anchored_) {
+    return raw_ns;
+  }
+  const Duration elapsed = arrival - newest_arrival_;
+  return nearest_congruent(
+      raw_ns, config_.roll_over.count(), sum(newest_device_ns_, elapsed.count()));
+}
+
+void ClockModel::anchor(std::int64_t device_ns,
+                        Stamp arrival,
+                        double envelope_y_ns,
+                        double applied_y_ns) {
+  anchored_ = true;
+  anchor_device_ns_ = device_ns;
+  anchor_offset_ns_ = difference(nanoseconds(arrival), device_ns);
+  newest_device_ns_ = device_ns;
+  newest_arrival_ = arrival;
+  newest_x_ns_ = 0.0;
+  envelope_x_ns_ = 0.0;
+  envelope_y_ns_ = envelope_y_ns;
+  applied_y_ns_ = applied_y_ns;
+  acquiring_ = true;
+  candidate_ = {};
+  first_bucket_ = 0;
+  bucket_count_ = 1;
+  buckets_[0] = {0.0, envelope_y_ns};
+  newest_bucket_begin_ns_ = 0.0;
+}
+
+std::int64_t ClockModel::offset_ns(std::int64_t device_ns, Stamp arrival) {
+  Sample sample;
+  sample.x_ns = static_cast<double>(difference(device_ns, anchor_device_ns_));
+  sample.y_ns = static_cast<double>(
+      difference(difference(nanoseconds(arrival), device_ns), anchor_offset_ns_));
+  const double above_ns = sample.y_ns - envelope(sample.x_ns);
+  const bool newer = device_ns > newest_device_ns_;
+  health_.out_of_order += newer ? 0 : 1;
+
+  if (above_ns < (acquiring_ ? -kAcquisitionStep_ns : -kStep_ns)) {
+    return offset_forward_ns(sample, device_ns, arrival);
+  }
+  if (device_ns == newest_device_ns_) {
+    return applied_offset_ns(sample.x_ns);
+  }
+  if (candidate_.count > 0 && agrees(sample, false)) {
+    if (confirms_backward_step(sample, device_ns, arrival)) {
+      follow_step(sample, device_ns, arrival);
+      return applied_offset_ns(newest_x_ns_);
+    }
+  } else if (!newer || above_ns > kFarAbove_ns) {
+    begin_candidate(sample, device_ns, arrival, false);
+    candidate_.went_back = !newer;
+  } else {
+    drop_candidate();
+  }
+  if (newer) {
+    advance(sample, device_ns, arrival);
+  }
+  return applied_offset_ns(sample.x_ns);
+}
+
+// The sample would have arrived before it was sent: its clock stepped, or its stamp is a stray.
+std::int64_t ClockModel::offset_forward_ns(const Sample& sample,
+                                           std::int64_t device_ns,
+                                           Stamp arrival) {
+  if (candidate_.count == 0 || !agrees(sample, true)) {
+    drop_candidate();
+    begin_candidate(sample, device_ns, arrival, true);
+  } else if (device_ns > candidate_.newest_ns) {
+    candidate_.least_y_ns = std::min(candidate_.least_y_ns, sample.y_ns);
+    follow_step(sample, device_ns, arrival);
+    return applied_offset_ns(newest_x_ns_);
+  }
+  return sum(anchor_offset_ns_, std::llround(candidate_.first_y_ns));
+}
+
+// Whether a sample continues the candidate: much nearer to it than to the envelope.
+bool ClockModel::agrees(const Sample& sample, bool forward) const {
+  const double distance_ns = std::abs(candidate_.first_y_ns - envelope(sample.x_ns));
+  return candidate_.forward == forward &&
+         std::abs(sample.y_ns - candidate_.first_y_ns) < std::min(0.5 * distance_ns, kAgreement_ns);
+}
+
+bool ClockModel::confirms_backward_step(const Sample& sample,
+                                        std::int64_t device_ns,
+                                        Stamp arrival) {
+  if (device_ns <= candidate_.newest_ns) {
+    return false;
+  }
+  ++candidate_.count;
+  candidate_.newest_ns = device_ns;
+  candidate_.least_y_ns = std::min(candidate_.least_y_ns, sample.y_ns);
+  const Duration span = candidate_.went_back ? kSpanAfterGoingBack : kSpanFarAbove;
+  return candidate_.count >= kBackwardConfirmations && arrival - candidate_.first_arrival >= span &&
+         candidate_.least_y_ns - envelope(sample.x_ns) >= kStep_ns;
+}
+
+void ClockModel::begin_candidate(const Sample& sample,
+                                 std::int64_t device_ns,
+                                 Stamp arrival,
+                                 bool forward) {
+  candidate_ = {};
+  candidate_.count = 1;
+  candidate_.forward = forward;
+  candidate_.newest_ns = device_ns;
+  candidate_.first_arrival = arrival;
+  candidate_.first_y_ns = sample.y_ns;
+  candidate_.least_y_ns = sample.y_ns;
+}
+
+void ClockModel::drop_candidate() {
+  if (candidate_.count > 0 && candidate_.forward) {
+    ++health_.strays;
+  }
+  candidate_ = {};
+}
+
+void ClockModel::follow_step(const Sample& sample, std::int64_t device_ns, Stamp arrival) {
+  ++health_.steps;
+  const double x_without_step_ns =
+      newest_x_ns_ + static_cast<double>((arrival - newest_arrival_).count());
+  health_.last_step = Duration{std::llround(envelope(x_without_step_ns) - candidate_.least_y_ns)};
+  // Forward, the candidate is what packets are mapped by already.
+  const double applied_y_ns = candidate_.forward ? candidate_.first_y_ns : candidate_.least_y_ns;
+  anchor(device_ns, arrival, candidate_.least_y_ns - sample.y_ns, applied_y_ns - sample.y_ns);
+}
+
+void ClockModel::advance(const Sample& sample, std::int64_t device_ns, Stamp arrival) {
+  const double dt_ns = sample.x_ns - newest_x_ns_;
+  newest_x_ns_ = sample.x_ns;
+  newest_device_ns_ = device_ns;
+  newest_arrival_ = arrival;
+  applied_y_ns_ += health_.skew * dt_ns;
+
+  observe(sample);
+  const double error_ns = envelope(sample.x_ns) - applied_y_ns_;
+  if (!acquiring_ && error_ns > kStep_ns) {
+    // The whole window lies above: the clock fell back, or latency rose, for good.
+    ++health_.steps;
+    health_.last_step = Duration{std::llround(-error_ns)};
+    applied_y_ns_ += error_ns;
+    return;
+  }
+  const double limit_ns = (acquiring_ ? kAcquisitionSlew : kSlew) * dt_ns;
+  applied_y_ns_ += std::clamp(error_ns, -limit_ns, limit_ns);
+  if (sample.x_ns >= kAcquisition_ns &&
+      std::abs(envelope(sample.x_ns) - applied_y_ns_) < kAcquired_ns) {
+    acquiring_ = false;
+  }
+}
+
+void ClockModel::observe(const Sample& sample) {
+  if (sample.y_ns < envelope(sample.x_ns)) {
+    envelope_x_ns_ = sample.x_ns;
+    envelope_y_ns_ = sample.y_ns;
+  }
+  if (bucket_count_ > 0 && sample.x_ns < newest_bucket_begin_ns_ + kBucket_ns) {
+    Sample& newest = buckets_[(first_bucket_ + bucket_count_ - 1) % kBuckets];
+    if (sample.y_ns < newest.y_ns) {
+      newest = sample;
+    }
+    return;
+  }
+  fit();
+  while (bucket_count_ > 0 &&
+         (bucket_count_ == kBuckets || sample.x_ns - bucket(0).x_ns > kWindow_ns)) {
+    first_bucket_ = (first_bucket_ + 1) % kBuckets;
+    --bucket_count_;
+  }
+  buckets_[(first_bucket_ + bucket_count_) % kBuckets] = sample;
+  ++bucket_count_;
+  newest_bucket_begin_ns_ = std::floor(sample.x_ns / kBucket_ns) * kBucket_ns;
+}
+
+// Lays the line anew below all buckets. Until they span a second, the old line holds and only
+// sinks.
+void ClockModel::fit() {
+  if (bucket_count_ < 2 || bucket(bucket_count_ - 1).x_ns - bucket(0).x_ns < kFitSpan_ns) {
+    return;
+  }
+  const double skew = std::clamp(fitted_skew(), -kMaxSkew, kMaxSkew);
+  std::size_t lowest = 0;
+  double lowest_ns = 0.0;
+  for (std::size_t i = 0; i < bucket_count_; ++i) {
+    const double height_ns =
+        bucket(i).y_ns - bucket(0).y_ns - skew * (bucket(i).x_ns - bucket(0).x_ns);
+    if (height_ns < lowest_ns) {
+      lowest = i;
+      lowest_ns = height_ns;
+    }
+  }
+  health_.skew = skew;
+  envelope_x_ns_ = bucket(lowest).x_ns;
+  envelope_y_ns_ = bucket(lowest).y_ns;
+}
+
+// The slope of the lower convex hull below the samples' mean time: of all lines below the samples,
+// that one has the least sum of distances to them.
+double ClockModel::fitted_skew() const {
+  std::array<std::size_t, kBuckets> hull{};
+  std::size_t size = 0;
+  double mean_x_ns = 0.0;
+  const auto slope = [this](std::size_t a, std::size_t b) {
+    return (bucket(b).y_ns - bucket(a).y_ns) / (bucket(b).x_ns - bucket(a).x_ns);
+  };
+  for (std::size_t i = 0; i < bucket_count_; ++i) {
+    mean_x_ns += (bucket(i).x_ns - bucket(0).x_ns) / static_cast<double>(bucket_count_);
+    while (size >= 2 && slope(hull[size - 2], hull[size - 1]) >= slope(hull[size - 1], i)) {
+      --size;
+    }
+    hull[size++] = i;
+  }
+  std::size_t edge = 1;
+  while (edge + 1 < size && bucket(hull[edge]).x_ns - bucket(0).x_ns < mean_x_ns) {
+    ++edge;
+  }
+  return slope(hull[edge - 1], hull[edge]);
+}
+
+std::int64_t ClockModel::applied_offset_ns(double x_ns) const {
+  return sum(anchor_offset_ns_, std::llround(applied_y_ns_ + health_.skew * (x_ns - newest_x_ns_)));
+}
+
+void ClockModel::count_residual(std::int64_t residual_ns) {
+  residual_sum_ns_ += static_cast<double>(residual_ns);
+  ++residuals_;
+  health_.residual_mean =
+      Duration{std::llround(residual_sum_ns_ / static_cast<double>(residuals_))};
+  health_.residual_max = std::max(health_.residual_max, Duration{residual_ns});
+}
+
+}  // namespace slamd::sensor

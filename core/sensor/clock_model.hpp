@@ -1,0 +1,161 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "core/base/stamp.hpp"
+
+namespace slamd::sensor {
+
+/// Says what a device's clock has to do with slamd's time base.
+enum class ClockKind : std::uint8_t {
+  kShared,     // same source (PTP, GPS) as the host: stamps pass through
+  kEstimated,  // origin and rate of its own
+};
+
+struct ClockConfig {
+  ClockKind kind = ClockKind::kEstimated;
+  Duration roll_over{};  // the device's stamps begin again at zero after this long (Velodyne: 1 h);
+                         // 0: never
+};
+
+/// What a clock has shown; for reports and health.
+struct ClockHealth {
+  std::uint64_t stamps = 0;
+  std::uint64_t steps = 0;  // jumps of the device's clock that were followed
+  std::uint64_t roll_overs = 0;
+  std::uint64_t out_of_order =
+      0;  // stamps not newer than the newest: duplicates, reordered packets
+  std::uint64_t strays =
+      0;                 // single impossible stamps: no step, since the next one did not confirm it
+  Duration last_step{};  // by how much the device's clock jumped (forward > 0)
+  double skew = 0.0;     // rate of the host's clock over the device's, minus 1
+  Duration residual_mean{};  // of arrival - mapped since clear_residual(): jitter and latency above
+                             // the best
+  Duration residual_max{};
+};
+
+/// Maps the stamps of one device to slamd's time base.
+///
+/// kEstimated: a stamp maps to when its packet would have arrived with the smallest transport
+/// latency: the lower envelope of arrival - device time over a sliding window of 12.8 s, a line
+/// with a skew of at most kMaxSkew below all samples. Late and bursty arrivals lie above it and do
+/// not move it. The first stamp maps to its own arrival. From there the mapping approaches the
+/// envelope without a jump: it runs at most kAcquisitionSlew faster or slower than the envelope
+/// during the first second and until it has met it, at most kSlew afterwards. So, but for steps,
+/// packets that arrive in the order of their device stamps get increasing stamps. Steps of the
+/// device's clock (arrivals go on) are followed by a new anchor, keeping the skew:
+/// - forward: a sample more than kStep below the envelope cannot be. It maps to its own arrival,
+/// and a second one
+///   that agrees confirms the step.
+/// - backward: stamps older than the newest map to the past, as those of reordered packets do,
+/// until
+///   kBackwardConfirmations of them over 50 ms of arrival agree. Without a stamp going back (a
+///   restart during an outage) it takes 1 s at 0.5 s above the envelope, or the whole window above
+///   kStep.
+/// Smaller steps are slewed.
+/// kShared: passes the stamp through as Unix nanoseconds; with a roll-over it picks the period so
+/// that the result is within half a period of the arrival. Steps and skew are observed in the same
+/// way but only reported.
+///
+/// Source: Moon, Skelly, Towsley, "Estimation and removal of clock skew from network delay
+/// measurements" (INFOCOM 1999): of all lines below the samples, the one with the least sum of
+/// distances. Real-time: fixed memory, no allocation; O(1), and O(128) once in 100 ms; one thread.
+class ClockModel {
+ public:
+  static constexpr double kMaxSkew = 200e-6;
+  static constexpr double kSlew = 500e-6;
+  static constexpr double kAcquisitionSlew = 0.02;
+  static constexpr Duration kStep = std::chrono::milliseconds{10};
+  static constexpr std::uint32_t kBackwardConfirmations = 5;
+
+  explicit ClockModel(const ClockConfig& config);
+
+  /// Maps the device's stamp of a packet that arrived at the given time.
+  /// Deterministic: the result depends on the calls so far only. A duplicate maps to what its
+  /// original mapped to.
+  Stamp map(DeviceStamp device, Stamp arrival);
+
+  const ClockHealth& health() const { return health_; }
+
+  /// Begins new residual statistics.
+  void clear_residual();
+
+ private:
+  // A sample against the anchor: device time x and arrival - device time y.
+  struct Sample {
+    double x_ns = 0.0;
+    double y_ns = 0.0;
+  };
+
+  // Samples that contradict the envelope but not each other: a step in the making.
+  struct Candidate {
+    std::uint32_t count = 0;  // 0: none
+    bool forward = false;
+    bool went_back = false;  // began with a stamp older than the newest
+    std::int64_t newest_ns = 0;
+    Stamp first_arrival{};
+    double first_y_ns = 0.0;
+    double least_y_ns = 0.0;
+  };
+
+  std::int64_t unrolled_ns(std::int64_t raw_ns, Stamp arrival) const;
+  void anchor(std::int64_t device_ns, Stamp arrival, double envelope_y_ns, double applied_y_ns);
+  std::int64_t offset_ns(std::int64_t device_ns, Stamp arrival);
+  std::int64_t offset_forward_ns(const Sample& sample, std::int64_t device_ns, Stamp arrival);
+  bool agrees(const Sample& sample, bool forward) const;
+  bool confirms_backward_step(const Sample& sample, std::int64_t device_ns, Stamp arrival);
+  void begin_candidate(const Sample& sample, std::int64_t device_ns, Stamp arrival, bool forward);
+  void drop_candidate();
+  void follow_step(const Sample& sample, std::int64_t device_ns, Stamp arrival);
+  void advance(const Sample& sample, std::int64_t device_ns, Stamp arrival);
+  void observe(const Sample& sample);
+  void fit();
+  double fitted_skew() const;
+
+  const Sample& bucket(std::size_t i) const { return buckets_[(first_bucket_ + i) % kBuckets]; }
+
+  double envelope(double x_ns) const {
+    return envelope_y_ns_ + health_.skew * (x_ns - envelope_x_ns_);
+  }
+
+  std::int64_t applied_offset_ns(double x_ns) const;
+  void count_residual(std::int64_t residual_ns);
+
+  ClockConfig config_;
+  ClockHealth health_;
+  double residual_sum_ns_ = 0.0;
+  std::uint64_t residuals_ = 0;
+
+  // The anchor: the doubles below count from here, so that they resolve less than a nanosecond.
+  bool anchored_ = false;
+  std::int64_t anchor_device_ns_ = 0;
+  std::int64_t anchor_offset_ns_ = 0;
+
+  // The newest in-order sample, roll-overs undone.
+  std::int64_t newest_device_ns_ = 0;
+  std::int64_t newest_raw_ns_ = 0;
+  Stamp newest_arrival_{};
+  double newest_x_ns_ = 0.0;
+
+  // The lower envelope: a line through this point with health_.skew.
+  double envelope_x_ns_ = 0.0;
+  double envelope_y_ns_ = 0.0;
+
+  // The mapping in use, at newest_x_ns_; it approaches the envelope.
+  double applied_y_ns_ = 0.0;
+  bool acquiring_ = true;
+
+  Candidate candidate_;
+
+  // The lowest sample of each 100 ms of device time that has any, oldest first from first_bucket_
+  // on.
+  static constexpr std::size_t kBuckets = 128;
+  std::array<Sample, kBuckets> buckets_{};
+  std::size_t first_bucket_ = 0;
+  std::size_t bucket_count_ = 0;
+  double newest_bucket_begin_ns_ = 0.0;
+};
+
+}  // namespace slamd::sensor
