@@ -72,9 +72,11 @@ Cause Odometry::predict(Stamp to, std::span<const sensor::ImuSample> samples) {
   Cause cause = Cause::kNone;
   if (samples.empty()) {
     cause = config_.use_imu ? Cause::kNoImu : Cause::kNone;
+    coast(true);
     inertial::propagate_constant_velocity(state_, P_, to, config_.constant_velocity);
     rate_imu_radps_ = -state_.gyro_bias;
   } else {
+    coast(false);
     for (std::size_t i = 0; i + 1 < samples.size(); ++i) {
       cause = samples[i + 1].stamp - samples[i].stamp > config_.max_imu_gap ? Cause::kImuGap : cause;
     }
@@ -90,6 +92,21 @@ Cause Odometry::predict(Stamp to, std::span<const sensor::ImuSample> samples) {
   }
   path_m_ += (state_.T_odom_imu.translation() - before).norm();
   return cause;
+}
+
+void Odometry::coast(bool without_imu) {
+  if (!config_.use_imu || without_imu == coasting_) {
+    return;
+  }
+  coasting_ = without_imu;
+  // Without the sensor b_g holds −ω; the sensor's own bias waits for its return.
+  const Eigen::Vector3d gyro_bias = without_imu ? Eigen::Vector3d(-rate_imu_radps_) : waiting_gyro_bias_;
+  const double variance = without_imu ? 0.25 : 1e-4;
+  waiting_gyro_bias_ = without_imu ? state_.gyro_bias : Eigen::Vector3d(Eigen::Vector3d::Zero());
+  state_.gyro_bias = gyro_bias;
+  P_.middleRows<3>(kGyroBias).setZero();
+  P_.middleCols<3>(kGyroBias).setZero();
+  P_.diagonal().segment<3>(kGyroBias).setConstant(variance);
 }
 
 UpdateResult Odometry::update(const DeskewedScan& scan, Cause prediction_cause, psf::Answer& swarm) {

@@ -73,6 +73,7 @@ class Odometry {
 
  private:
   Cause predict(Stamp to, std::span<const sensor::ImuSample> samples);
+  void coast(bool without_imu);
   UpdateResult update(const scan::DeskewedScan& scan, Cause prediction_cause, psf::Answer& swarm);
   Cause judge(const UpdateResult& update) const;
   void extend_map(const scan::DeskewedScan& scan);
@@ -88,6 +89,8 @@ class Odometry {
   inertial::NavState state_;
   inertial::Covariance P_ = inertial::Covariance::Identity();
   Eigen::Vector3d rate_imu_radps_ = Eigen::Vector3d::Zero();  // at the last scan's end
+  bool coasting_ = false;  // the inertial sensor is configured, but silent
+  Eigen::Vector3d waiting_gyro_bias_ = Eigen::Vector3d::Zero();
   double path_m_ = 0.0;
   int bad_scans_ = 0;
   // scratch, sized once
