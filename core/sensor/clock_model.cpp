@@ -9,9 +9,6 @@ namespace slamd::sensor {
 
 namespace {
 
-constexpr double kBucket_ns = 100e6;
-constexpr double kWindow_ns = 12.8e9;
-constexpr double kFitSpan_ns = 1e9;      // below this the window says nothing about the skew
 constexpr double kAcquisition_ns = 1e9;  // at least, and until the mapping is as close as this:
 constexpr double kAcquired_ns = 100e3;
 constexpr double kAcquisitionStep_ns = 100e6;  // the first packets may be this late without a step
@@ -106,15 +103,10 @@ void ClockModel::anchor(std::int64_t device_ns,
   newest_device_ns_ = device_ns;
   newest_arrival_ = arrival;
   newest_x_ns_ = 0.0;
-  envelope_x_ns_ = 0.0;
-  envelope_y_ns_ = envelope_y_ns;
+  envelope_.restart({0.0, envelope_y_ns});
   applied_y_ns_ = applied_y_ns;
   acquiring_ = true;
   candidate_ = {};
-  first_bucket_ = 0;
-  bucket_count_ = 1;
-  buckets_[0] = {0.0, envelope_y_ns};
-  newest_bucket_begin_ns_ = 0.0;
 }
 
 std::int64_t ClockModel::offset_ns(std::int64_t device_ns, Stamp arrival) {
@@ -122,7 +114,7 @@ std::int64_t ClockModel::offset_ns(std::int64_t device_ns, Stamp arrival) {
   sample.x_ns = static_cast<double>(difference(device_ns, anchor_device_ns_));
   sample.y_ns = static_cast<double>(
       difference(difference(nanoseconds(arrival), device_ns), anchor_offset_ns_));
-  const double above_ns = sample.y_ns - envelope(sample.x_ns);
+  const double above_ns = sample.y_ns - envelope_.at(sample.x_ns);
   const bool newer = device_ns > newest_device_ns_;
   health_.out_of_order += newer ? 0 : 1;
 
@@ -166,7 +158,7 @@ std::int64_t ClockModel::offset_forward_ns(const Sample& sample,
 
 // Whether a sample continues the candidate: much nearer to it than to the envelope.
 bool ClockModel::agrees(const Sample& sample, bool forward) const {
-  const double distance_ns = std::abs(candidate_.first_y_ns - envelope(sample.x_ns));
+  const double distance_ns = std::abs(candidate_.first_y_ns - envelope_.at(sample.x_ns));
   return candidate_.forward == forward &&
          std::abs(sample.y_ns - candidate_.first_y_ns) < std::min(0.5 * distance_ns, kAgreement_ns);
 }
@@ -182,7 +174,7 @@ bool ClockModel::confirms_backward_step(const Sample& sample,
   candidate_.least_y_ns = std::min(candidate_.least_y_ns, sample.y_ns);
   const Duration span = candidate_.went_back ? kSpanAfterGoingBack : kSpanFarAbove;
   return candidate_.count >= kBackwardConfirmations && arrival - candidate_.first_arrival >= span &&
-         candidate_.least_y_ns - envelope(sample.x_ns) >= kStep_ns;
+         candidate_.least_y_ns - envelope_.at(sample.x_ns) >= kStep_ns;
 }
 
 void ClockModel::begin_candidate(const Sample& sample,
@@ -209,7 +201,8 @@ void ClockModel::follow_step(const Sample& sample, std::int64_t device_ns, Stamp
   ++health_.steps;
   const double x_without_step_ns =
       newest_x_ns_ + static_cast<double>((arrival - newest_arrival_).count());
-  health_.last_step = Duration{std::llround(envelope(x_without_step_ns) - candidate_.least_y_ns)};
+  health_.last_step =
+      Duration{std::llround(envelope_.at(x_without_step_ns) - candidate_.least_y_ns)};
   // Forward, the candidate is what packets are mapped by already.
   const double applied_y_ns = candidate_.forward ? candidate_.first_y_ns : candidate_.least_y_ns;
   anchor(device_ns, arrival, candidate_.least_y_ns - sample.y_ns, applied_y_ns - sample.y_ns);
@@ -222,8 +215,9 @@ void ClockModel::advance(const Sample& sample, std::int64_t device_ns, Stamp arr
   newest_arrival_ = arrival;
   applied_y_ns_ += health_.skew * dt_ns;
 
-  observe(sample);
-  const double error_ns = envelope(sample.x_ns) - applied_y_ns_;
+  envelope_.add(sample);
+  health_.skew = envelope_.slope();
+  const double error_ns = envelope_.at(sample.x_ns) - applied_y_ns_;
   if (!acquiring_ && error_ns > kStep_ns) {
     // The whole window lies above: the clock fell back, or latency rose, for good.
     ++health_.steps;
@@ -234,77 +228,9 @@ void ClockModel::advance(const Sample& sample, std::int64_t device_ns, Stamp arr
   const double limit_ns = (acquiring_ ? kAcquisitionSlew : kSlew) * dt_ns;
   applied_y_ns_ += std::clamp(error_ns, -limit_ns, limit_ns);
   if (sample.x_ns >= kAcquisition_ns &&
-      std::abs(envelope(sample.x_ns) - applied_y_ns_) < kAcquired_ns) {
+      std::abs(envelope_.at(sample.x_ns) - applied_y_ns_) < kAcquired_ns) {
     acquiring_ = false;
   }
-}
-
-void ClockModel::observe(const Sample& sample) {
-  if (sample.y_ns < envelope(sample.x_ns)) {
-    envelope_x_ns_ = sample.x_ns;
-    envelope_y_ns_ = sample.y_ns;
-  }
-  if (bucket_count_ > 0 && sample.x_ns < newest_bucket_begin_ns_ + kBucket_ns) {
-    Sample& newest = buckets_[(first_bucket_ + bucket_count_ - 1) % kBuckets];
-    if (sample.y_ns < newest.y_ns) {
-      newest = sample;
-    }
-    return;
-  }
-  fit();
-  while (bucket_count_ > 0 &&
-         (bucket_count_ == kBuckets || sample.x_ns - bucket(0).x_ns > kWindow_ns)) {
-    first_bucket_ = (first_bucket_ + 1) % kBuckets;
-    --bucket_count_;
-  }
-  buckets_[(first_bucket_ + bucket_count_) % kBuckets] = sample;
-  ++bucket_count_;
-  newest_bucket_begin_ns_ = std::floor(sample.x_ns / kBucket_ns) * kBucket_ns;
-}
-
-// Lays the line anew below all buckets. Until they span a second, the old line holds and only
-// sinks.
-void ClockModel::fit() {
-  if (bucket_count_ < 2 || bucket(bucket_count_ - 1).x_ns - bucket(0).x_ns < kFitSpan_ns) {
-    return;
-  }
-  const double skew = std::clamp(fitted_skew(), -kMaxSkew, kMaxSkew);
-  std::size_t lowest = 0;
-  double lowest_ns = 0.0;
-  for (std::size_t i = 0; i < bucket_count_; ++i) {
-    const double height_ns =
-        bucket(i).y_ns - bucket(0).y_ns - skew * (bucket(i).x_ns - bucket(0).x_ns);
-    if (height_ns < lowest_ns) {
-      lowest = i;
-      lowest_ns = height_ns;
-    }
-  }
-  health_.skew = skew;
-  envelope_x_ns_ = bucket(lowest).x_ns;
-  envelope_y_ns_ = bucket(lowest).y_ns;
-}
-
-// The slope of the lower convex hull below the samples' mean time: of all lines below the samples,
-// that one has the least sum of distances to them.
-double ClockModel::fitted_skew() const {
-  std::array<std::size_t, kBuckets> hull{};
-  std::size_t size = 0;
-  double mean_x_ns = 0.0;
-  const auto slope = [this](std::size_t a, std::size_t b) {
-    return (bucket(b).y_ns - bucket(a).y_ns) / (bucket(b).x_ns - bucket(a).x_ns);
-  };
-  for (std::size_t i = 0; i < bucket_count_; ++i) {
-    mean_x_ns += (bucket(i).x_ns - bucket(0).x_ns) / static_cast<double>(bucket_count_);
-    while (size >= 2 && slope(hull[size - 2], hull[size - 1]) >= slope(hull[size - 1], i)) {
-      --size;
-    }
-    hull[size++] = i;
-  }
-  std::size_t edge = 1;
-  while (edge + 1 < size && bucket(hull[edge]).x_ns - bucket(0).x_ns < mean_x_ns) {
-    ++edge;
-  }
-  return slope(hull[edge - 1], hull[edge]);
 }
 
 std::int64_t ClockModel::applied_offset_ns(double x_ns) const {

@@ -1,10 +1,9 @@
 #pragma once
 
-#include <array>
-#include <cstddef>
 #include <cstdint>
 
 #include "core/base/stamp.hpp"
+#include "core/sensor/lower_envelope.hpp"
 
 namespace slamd::sensor {
 
@@ -83,11 +82,8 @@ class ClockModel {
   void clear_residual();
 
  private:
-  // A sample against the anchor: device time x and arrival - device time y.
-  struct Sample {
-    double x_ns = 0.0;
-    double y_ns = 0.0;
-  };
+  using Sample =
+      LowerEnvelope::Sample;  // device time x and arrival - device time y, from the anchor on
 
   // Samples that contradict the envelope but not each other: a step in the making.
   struct Candidate {
@@ -110,16 +106,6 @@ class ClockModel {
   void drop_candidate();
   void follow_step(const Sample& sample, std::int64_t device_ns, Stamp arrival);
   void advance(const Sample& sample, std::int64_t device_ns, Stamp arrival);
-  void observe(const Sample& sample);
-  void fit();
-  double fitted_skew() const;
-
-  const Sample& bucket(std::size_t i) const { return buckets_[(first_bucket_ + i) % kBuckets]; }
-
-  double envelope(double x_ns) const {
-    return envelope_y_ns_ + health_.skew * (x_ns - envelope_x_ns_);
-  }
-
   std::int64_t applied_offset_ns(double x_ns) const;
   void count_residual(std::int64_t residual_ns);
 
@@ -139,23 +125,12 @@ class ClockModel {
   Stamp newest_arrival_{};
   double newest_x_ns_ = 0.0;
 
-  // The lower envelope: a line through this point with health_.skew.
-  double envelope_x_ns_ = 0.0;
-  double envelope_y_ns_ = 0.0;
-
+  LowerEnvelope envelope_{kMaxSkew};
   // The mapping in use, at newest_x_ns_; it approaches the envelope.
   double applied_y_ns_ = 0.0;
   bool acquiring_ = true;
 
   Candidate candidate_;
-
-  // The lowest sample of each 100 ms of device time that has any, oldest first from first_bucket_
-  // on.
-  static constexpr std::size_t kBuckets = 128;
-  std::array<Sample, kBuckets> buckets_{};
-  std::size_t first_bucket_ = 0;
-  std::size_t bucket_count_ = 0;
-  double newest_bucket_begin_ns_ = 0.0;
 };
 
 }  // namespace slamd::sensor
