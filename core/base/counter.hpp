@@ -7,7 +7,8 @@ namespace slamd {
 
 /// Counts events in one thread and shows the count to all others.
 /// Threads: one writer calls add(); value() is for any thread and may lag, but never goes back for
-/// a reader. Real-time: wait-free, without a locked instruction.
+/// a reader.
+/// Real-time: wait-free, without a locked instruction.
 class Counter {
  public:
   void add(std::uint64_t events = 1) {

@@ -15,8 +15,8 @@ namespace slamd {
 /// Counts latencies in log-linear buckets: 1 ns wide below 64 ns, then 32 to each doubling, up to
 /// 18 minutes. A percentile is never below the exact one (nearest rank) and above it by at most
 /// 1/32 = 3.1 %; min, max, mean and count are exact. Longer latencies share the last bucket, whose
-/// percentile is max; negative ones the first. Real-time: fixed size (9 KiB), never allocates;
-/// add() is O(1); one thread.
+/// percentile is max; negative ones the first.
+/// Real-time: fixed size (9 KiB), never allocates; add() is O(1); one thread.
 class Histogram {
  public:
   static constexpr double kRelativeError = 1.0 / 32.0;

@@ -11,11 +11,14 @@
 namespace slamd {
 
 /// Shows the newest value of one thread to all others, whole: a seqlock with two slots.
+///
 /// The writer fills the slot that is not shown, then shows it; a reader that finds the version
 /// changed while it copied looks again. So a reader never waits for a writer that was interrupted
 /// in the middle of a store (with one slot, a reader of higher real-time priority would spin on it
-/// for ever). Threads: store() by one writer; load() and version() by any. Real-time: store() is
-/// wait-free; load() repeats only when a store was completed meanwhile. Never allocates.
+/// for ever).
+/// Threads: store() by one writer; load() and version() by any.
+/// Real-time: store() is wait-free; load() repeats only when a store was completed meanwhile. Never
+/// allocates.
 template <typename T>
 class Latest {
   static_assert(std::is_trivially_copyable_v<T> && std::is_default_constructible_v<T>);

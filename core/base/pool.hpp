@@ -14,10 +14,11 @@
 namespace slamd {
 
 /// Lends out a fixed number of objects, all constructed with it. Objects keep their contents
-/// between loans. Threads: acquire() and put_back() by one thread, the acquirer; handles end in one
-/// thread, the releaser (the same or another one); in between they may pass through any threads and
-/// queues. low_water() and exhausted() by anyone. Real-time: wait-free; allocates in the
-/// constructor only.
+/// between loans.
+/// Threads: acquire() and put_back() by one thread, the acquirer; handles end in one thread, the
+/// releaser (the same or another one); in between they may pass through any threads and queues.
+/// low_water() and exhausted() by anyone.
+/// Real-time: wait-free; allocates in the constructor only.
 template <typename T>
 class Pool {
  public:

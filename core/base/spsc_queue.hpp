@@ -15,8 +15,9 @@ namespace slamd {
 inline constexpr std::size_t kCacheLine_bytes = 64;
 
 /// Hands values from one thread to one other, in order. When full, try_push refuses: the producer
-/// drops and counts. Threads: try_push by the producer, try_pop by the consumer only. Real-time:
-/// wait-free; allocates in the constructor only (capacity + 1 values of T).
+/// drops and counts.
+/// Threads: try_push by the producer, try_pop by the consumer only.
+/// Real-time: wait-free; allocates in the constructor only (capacity + 1 values of T).
 template <typename T>
 class SpscQueue {
   static_assert(std::is_default_constructible_v<T> && std::is_nothrow_move_assignable_v<T>);

@@ -14,6 +14,8 @@ constexpr double kAcquired_ns = 100e3;
 constexpr double kAcquisitionStep_ns = 100e6;  // the first packets may be this late without a step
 constexpr double kStep_ns = std::chrono::duration<double, std::nano>(ClockModel::kStep).count();
 constexpr double kFarAbove_ns = 500e6;
+constexpr Duration kOutage =
+    std::chrono::milliseconds{12'800};  // the window holds nothing any more
 constexpr double kAgreement_ns = 100e6;
 constexpr Duration kSpanAfterGoingBack = std::chrono::milliseconds{50};
 constexpr Duration kSpanFarAbove = std::chrono::seconds{1};
@@ -116,6 +118,10 @@ std::int64_t ClockModel::offset_ns(std::int64_t device_ns, Stamp arrival) {
       difference(difference(nanoseconds(arrival), device_ns), anchor_offset_ns_));
   const double above_ns = sample.y_ns - envelope_.at(sample.x_ns);
   const bool newer = device_ns > newest_device_ns_;
+  if (arrival - newest_arrival_ > kOutage) {
+    begin_anew(sample, device_ns, arrival);
+    return anchor_offset_ns_;
+  }
   health_.out_of_order += newer ? 0 : 1;
 
   if (above_ns < (acquiring_ ? -kAcquisitionStep_ns : -kStep_ns)) {
@@ -146,7 +152,6 @@ std::int64_t ClockModel::offset_forward_ns(const Sample& sample,
                                            std::int64_t device_ns,
                                            Stamp arrival) {
   if (candidate_.count == 0 || !agrees(sample, true)) {
-    drop_candidate();
     begin_candidate(sample, device_ns, arrival, true);
   } else if (device_ns > candidate_.newest_ns) {
     candidate_.least_y_ns = std::min(candidate_.least_y_ns, sample.y_ns);
@@ -181,7 +186,7 @@ void ClockModel::begin_candidate(const Sample& sample,
                                  std::int64_t device_ns,
                                  Stamp arrival,
                                  bool forward) {
-  candidate_ = {};
+  drop_candidate();
   candidate_.count = 1;
   candidate_.forward = forward;
   candidate_.newest_ns = device_ns;
@@ -198,14 +203,31 @@ void ClockModel::drop_candidate() {
 }
 
 void ClockModel::follow_step(const Sample& sample, std::int64_t device_ns, Stamp arrival) {
-  ++health_.steps;
-  const double x_without_step_ns =
-      newest_x_ns_ + static_cast<double>((arrival - newest_arrival_).count());
-  health_.last_step =
-      Duration{std::llround(envelope_.at(x_without_step_ns) - candidate_.least_y_ns)};
+  count_step(envelope_at(arrival) - candidate_.least_y_ns);
   // Forward, the candidate is what packets are mapped by already.
   const double applied_y_ns = candidate_.forward ? candidate_.first_y_ns : candidate_.least_y_ns;
   anchor(device_ns, arrival, candidate_.least_y_ns - sample.y_ns, applied_y_ns - sample.y_ns);
+}
+
+// After an outage the first arrival counts again: the extrapolated envelope may be off by the drift
+// meanwhile.
+void ClockModel::begin_anew(const Sample& sample, std::int64_t device_ns, Stamp arrival) {
+  const double step_ns = envelope_at(arrival) - sample.y_ns;
+  if (std::abs(step_ns) > kFarAbove_ns) {
+    count_step(step_ns);
+  }
+  anchor(device_ns, arrival, 0.0, 0.0);
+}
+
+// The envelope at the device time that would belong to an arrival, had the device's clock not
+// stepped.
+double ClockModel::envelope_at(Stamp arrival) const {
+  return envelope_.at(newest_x_ns_ + static_cast<double>((arrival - newest_arrival_).count()));
+}
+
+void ClockModel::count_step(double step_ns) {
+  ++health_.steps;
+  health_.last_step = Duration{std::llround(step_ns)};
 }
 
 void ClockModel::advance(const Sample& sample, std::int64_t device_ns, Stamp arrival) {
@@ -220,8 +242,7 @@ void ClockModel::advance(const Sample& sample, std::int64_t device_ns, Stamp arr
   const double error_ns = envelope_.at(sample.x_ns) - applied_y_ns_;
   if (!acquiring_ && error_ns > kStep_ns) {
     // The whole window lies above: the clock fell back, or latency rose, for good.
-    ++health_.steps;
-    health_.last_step = Duration{std::llround(-error_ns)};
+    count_step(-error_ns);
     applied_y_ns_ += error_ns;
     return;
   }

@@ -24,43 +24,41 @@ struct ClockHealth {
   std::uint64_t stamps = 0;
   std::uint64_t steps = 0;  // jumps of the device's clock that were followed
   std::uint64_t roll_overs = 0;
-  std::uint64_t out_of_order =
-      0;  // stamps not newer than the newest: duplicates, reordered packets
-  std::uint64_t strays =
-      0;                 // single impossible stamps: no step, since the next one did not confirm it
-  Duration last_step{};  // by how much the device's clock jumped (forward > 0)
-  double skew = 0.0;     // rate of the host's clock over the device's, minus 1
-  Duration residual_mean{};  // of arrival - mapped since clear_residual(): jitter and latency above
-                             // the best
+  std::uint64_t out_of_order = 0;  // not newer than the newest: duplicates, reordered packets
+  std::uint64_t strays = 0;        // impossible stamps that no second one confirmed as a step
+  Duration last_step{};            // by how much the device's clock jumped (forward > 0)
+  double skew = 0.0;               // rate of the host's clock over the device's, minus 1
+
+  // Of arrival - mapped since clear_residual(): jitter and latency above the best.
+  Duration residual_mean{};
   Duration residual_max{};
 };
 
 /// Maps the stamps of one device to slamd's time base.
 ///
 /// kEstimated: a stamp maps to when its packet would have arrived with the smallest transport
-/// latency: the lower envelope of arrival - device time over a sliding window of 12.8 s, a line
-/// with a skew of at most kMaxSkew below all samples. Late and bursty arrivals lie above it and do
-/// not move it. The first stamp maps to its own arrival. From there the mapping approaches the
-/// envelope without a jump: it runs at most kAcquisitionSlew faster or slower than the envelope
-/// during the first second and until it has met it, at most kSlew afterwards. So, but for steps,
-/// packets that arrive in the order of their device stamps get increasing stamps. Steps of the
-/// device's clock (arrivals go on) are followed by a new anchor, keeping the skew:
-/// - forward: a sample more than kStep below the envelope cannot be. It maps to its own arrival,
-/// and a second one
-///   that agrees confirms the step.
-/// - backward: stamps older than the newest map to the past, as those of reordered packets do,
-/// until
-///   kBackwardConfirmations of them over 50 ms of arrival agree. Without a stamp going back (a
-///   restart during an outage) it takes 1 s at 0.5 s above the envelope, or the whole window above
-///   kStep.
-/// Smaller steps are slewed.
-/// kShared: passes the stamp through as Unix nanoseconds; with a roll-over it picks the period so
-/// that the result is within half a period of the arrival. Steps and skew are observed in the same
-/// way but only reported.
+/// latency: the lower envelope of arrival - device time over a sliding window of 12.8 s, with a
+/// skew of at most kMaxSkew. Late and bursty arrivals lie above it and do not move it.
 ///
-/// Source: Moon, Skelly, Towsley, "Estimation and removal of clock skew from network delay
-/// measurements" (INFOCOM 1999): of all lines below the samples, the one with the least sum of
-/// distances. Real-time: fixed memory, no allocation; O(1), and O(128) once in 100 ms; one thread.
+/// The first stamp, and the first after an outage longer than the window, maps to its own arrival.
+/// From there the mapping approaches the envelope without a jump: it runs at most kAcquisitionSlew
+/// faster or slower than the envelope during the first second and until it has met it, at most
+/// kSlew afterwards. So, but for steps, packets in the order of their device stamps get increasing
+/// stamps.
+///
+/// Steps of the device's clock (arrivals go on) are counted and followed, keeping the skew.
+///
+/// Forward: a sample more than kStep below the envelope cannot be. It maps to its own arrival, and
+/// a second one that agrees confirms the step.
+///
+/// Backward: stamps older than the newest map to the past, as those of reordered packets do, until
+/// kBackwardConfirmations of them over 50 ms of arrival agree. Where no stamp went back, it takes 1
+/// s at 0.5 s above the envelope, or the whole window at kStep above. Smaller steps are slewed.
+///
+/// kShared: passes the stamp through as Unix nanoseconds; with a roll-over it picks the period so
+/// that the result is within half a period of the arrival. Steps and skew are only reported.
+///
+/// Real-time: fixed memory, no allocation; O(1), and O(128) once in 100 ms; one thread.
 class ClockModel {
  public:
   static constexpr double kMaxSkew = 200e-6;
@@ -72,8 +70,8 @@ class ClockModel {
   explicit ClockModel(const ClockConfig& config);
 
   /// Maps the device's stamp of a packet that arrived at the given time.
-  /// Deterministic: the result depends on the calls so far only. A duplicate maps to what its
-  /// original mapped to.
+  /// Deterministic: the result depends on the calls so far only. A duplicate of the newest stamp
+  /// maps to what that mapped to.
   Stamp map(DeviceStamp device, Stamp arrival);
 
   const ClockHealth& health() const { return health_; }
@@ -82,8 +80,8 @@ class ClockModel {
   void clear_residual();
 
  private:
-  using Sample =
-      LowerEnvelope::Sample;  // device time x and arrival - device time y, from the anchor on
+  // Device time x and arrival - device time y, counted from the anchor.
+  using Sample = LowerEnvelope::Sample;
 
   // Samples that contradict the envelope but not each other: a step in the making.
   struct Candidate {
@@ -105,6 +103,9 @@ class ClockModel {
   void begin_candidate(const Sample& sample, std::int64_t device_ns, Stamp arrival, bool forward);
   void drop_candidate();
   void follow_step(const Sample& sample, std::int64_t device_ns, Stamp arrival);
+  void begin_anew(const Sample& sample, std::int64_t device_ns, Stamp arrival);
+  double envelope_at(Stamp arrival) const;
+  void count_step(double step_ns);
   void advance(const Sample& sample, std::int64_t device_ns, Stamp arrival);
   std::int64_t applied_offset_ns(double x_ns) const;
   void count_residual(std::int64_t residual_ns);

@@ -24,8 +24,7 @@ std::string_view to_string(ImuRefusal reason);
 struct ImuBufferConfig {
   std::size_t capacity = 2048;           // samples: 10 s at 200 Hz
   double max_angular_rate_radps = 40.0;  // per axis; gyroscopes of the field end at 2000 °/s = 34.9
-  double max_specific_force_mps2 =
-      320.0;  // per axis; accelerometers of the field end at 32 g or below
+  double max_specific_force_mps2 = 320.0;  // per axis; accelerometers of the field end at 32 g
 };
 
 /// What happened to the samples since construction.
@@ -41,7 +40,8 @@ struct ImuBufferCounts {
 
 /// Keeps the newest inertial samples in time order. When full, the oldest one makes room and is
 /// counted. Samples lie at most one gap apart, whatever its length: who integrates looks at the
-/// stamps. Real-time: allocates in the constructor only; one thread.
+/// stamps.
+/// Real-time: allocates in the constructor only; one thread.
 class ImuBuffer {
  public:
   explicit ImuBuffer(const ImuBufferConfig& config);
@@ -56,21 +56,23 @@ class ImuBuffer {
 
   bool empty() const { return size_ == 0; }
 
-  /// The oldest and the newest sample. Errors: asking an empty buffer is a programmer error.
+  /// The oldest and the newest sample.
+  /// Errors: asking an empty buffer is a programmer error.
   const ImuSample& oldest() const;
   const ImuSample& newest() const;
 
   /// All samples, oldest first. Valid until the next push.
   std::span<const ImuSample> samples() const { return {ring_.data() + begin_, size_}; }
 
-  /// The samples with t0 < stamp <= t1, oldest first. Valid until the next push.  Real-time: O(log
-  /// size).
+  /// The samples with t0 < stamp <= t1, oldest first. Valid until the next push.
+  /// Real-time: O(log size).
   std::span<const ImuSample> between(Stamp t0, Stamp t1) const;
 
   /// Tells whether t lies between the oldest and the newest stamp, ends included.
   bool covers(Stamp t) const;
 
-  /// Interpolates linearly at t; nothing when t is not covered.  Real-time: O(log size).
+  /// Interpolates linearly at t; nothing when t is not covered.
+  /// Real-time: O(log size).
   std::optional<ImuSample> at(Stamp t) const;
 
   /// Forgets what is not needed to answer at() from t on: all samples before the last one with
@@ -83,8 +85,7 @@ class ImuBuffer {
   std::optional<ImuRefusal> refusal(const ImuSample& sample) const;
 
   ImuBufferConfig config_;
-  // Each sample is written twice, capacity apart, so that any run of samples is contiguous: 2 ×
-  // capacity.
+  // Each sample is written twice, capacity apart, so that any run of samples is contiguous.
   std::vector<ImuSample> ring_;
   std::size_t begin_ = 0;  // of the oldest, in [0, capacity)
   std::size_t size_ = 0;

@@ -14,21 +14,20 @@ namespace slamd::sensor {
 
 /// Says where one scan ends and the next one begins.
 enum class CutRule : std::uint8_t {
-  kAzimuth,  // spinning sensors: where the azimuth passes the cut angle, between two firing
-             // sequences
+  kAzimuth,  // spinning: where the azimuth passes the cut angle, between two firing sequences
   kPeriod,   // Livox: every period, between two points
 };
 
 struct ScanAssemblerConfig {
   CutRule rule = CutRule::kAzimuth;
-  double cut_azimuth_deg =
-      180.0;  // behind the vehicle, so that the seam of old and new is not in its way
-  Duration period =
-      std::chrono::milliseconds{100};  // kPeriod: length of a scan; kAzimuth: of a revolution,
-                                       // until the first packet has shown the real one
-  std::size_t max_points = 131072;     // per scan; a VLP-16 with dual returns at 5 Hz makes 120,000
-  double min_complete_fraction =
-      0.99;  // of a revolution or period; a scan that saw less is incomplete
+  // Behind the vehicle, so that the seam of old and new is not in its way.
+  double cut_azimuth_deg = 180.0;
+  // kPeriod: length of a scan. kAzimuth: of a revolution, until the first packet has shown it.
+  Duration period = std::chrono::milliseconds{100};
+  // Per scan; a VLP-16 with dual returns at 5 Hz makes 120,000.
+  std::size_t max_points = 131072;
+  // Of a revolution or period; a scan that saw less is incomplete.
+  double min_complete_fraction = 0.99;
 };
 
 /// Says why a block did not enter a scan.
@@ -44,9 +43,9 @@ inline constexpr std::size_t kBlockRefusals = 4;
 /// Names a reason as reports and health spell it.
 std::string_view to_string(BlockRefusal reason);
 
-/// What happened to blocks and points since construction.
-/// Of the points in accepted blocks, each is in a scan that came out, in the one being filled, or
-/// counted in points_over_capacity, points_unplaced or points_reset.
+/// What happened to blocks and points since construction. Of the points in accepted blocks, each is
+/// in a scan that came out, in the one being filled, or counted in points_over_capacity,
+/// points_unplaced or points_reset.
 struct ScanAssemblerCounts {
   std::uint64_t blocks_accepted = 0;
   std::array<std::uint64_t, kBlockRefusals> blocks_refused{};
@@ -57,9 +56,8 @@ struct ScanAssemblerCounts {
   std::uint64_t points_refused = 0;        // in refused blocks
   std::uint64_t points_out = 0;            // in scans that came out
   std::uint64_t points_over_capacity = 0;  // beyond max_points: also Scan::points_dropped
-  std::uint64_t points_unplaced =
-      0;  // in a fragment that begins and ends inside one block, after a gap
-  std::uint64_t points_reset = 0;  // in a scan that reset() threw away
+  std::uint64_t points_unplaced = 0;  // in fragments begun and ended inside one block, after a gap
+  std::uint64_t points_reset = 0;     // in scans that reset() threw away
 
   std::uint64_t refused_for(BlockRefusal reason) const {
     return blocks_refused[static_cast<std::size_t>(reason)];
@@ -68,17 +66,23 @@ struct ScanAssemblerCounts {
 
 /// Cuts the blocks of one sensor into scans.
 ///
-/// A scan's points lie in [begin, end), with offset_ns from begin. kAzimuth: begin is the scan's
-/// first firing, end that of the next scan; where packets are missing around the cut, the end of
-/// the last packet before it (and never before the scan's own last point, should stamps overlap by
-/// microseconds while a clock is corrected). kPeriod: end is begin + period, and the next scan
-/// begins there unless more than a period is missing. A scan is incomplete when packets are missing
-/// in it, or when it covers less than min_complete_fraction: so the first one, which begins
-/// wherever the sensor happens to look, mostly is. After a gap of a revolution (a period) or more
-/// the scan is closed and a new one begins with the next block. kAzimuth closes a scan after
-/// kLongestScan at the latest: a sensor that does not turn makes no endless scan. Scans come out
-/// with increasing begin and end; indices count from 0 without gaps. Real-time: allocates in the
-/// constructor only (two scans of max_points); one thread.
+/// A scan's points lie in [begin, end), with offset_ns from begin. Scans come out with increasing
+/// begin and end; indices count from 0 without gaps.
+///
+/// kAzimuth: begin is the scan's first firing, end that of the next scan; where packets are missing
+/// around the cut, the end of the last packet before it. (While a clock is corrected, stamps of
+/// packets may overlap by microseconds; end is then just after the scan's own last point.)
+///
+/// kPeriod: end is begin + period, and the next scan begins there.
+///
+/// A scan is incomplete when packets are missing in it, or when it covers less than
+/// min_complete_fraction: mostly so the first, which begins wherever the sensor happens to look.
+///
+/// After a gap of a revolution (a period) or more the scan is closed and the next block begins a
+/// new one. kAzimuth closes a scan after kLongestScan at the latest: a sensor that does not turn
+/// makes no endless scan.
+///
+/// Real-time: allocates in the constructor only (two scans of max_points); one thread.
 class ScanAssembler {
  public:
   static constexpr Duration kLongestScan = std::chrono::milliseconds{500};
@@ -90,9 +94,10 @@ class ScanAssembler {
   ScanAssembler& operator=(const ScanAssembler&) = delete;
 
   /// Adds a block; returns the scan that it completes, or nullptr. The scan is valid until the next
-  /// one completes. Shapes: the block's points in firing order; kAzimuth needs its sequences,
-  /// azimuths growing, equally spaced in time over block.duration. Errors: a refused block (see
-  /// BlockRefusal) is counted and changes nothing else.
+  /// one completes.
+  /// Shapes: the block's points in firing order; kAzimuth needs its sequences, azimuths growing,
+  /// equally spaced in time over block.duration.
+  /// Errors: a refused block (see BlockRefusal) is counted and changes nothing else.
   const Scan* add(const PointBlock& block);
 
   /// Closes the scan being filled, at the end of a recording; nullptr when it holds no block.
