@@ -69,9 +69,11 @@ class ClockModel {
 
   explicit ClockModel(const ClockConfig& config);
 
-  /// Maps the device's stamp of a packet that arrived at the given time.
-  /// Deterministic: the result depends on the calls so far only. A duplicate of the newest stamp
-  /// maps to what that mapped to.
+  /// Maps the device's stamp of an event of which the host heard at the given time. A LiDAR packet
+  /// is stamped with its first firing but leaves after its last: pass received - duration,
+  /// otherwise the result is late by the packet's duration (VLP-16: 1.3 ms). Deterministic: the
+  /// result depends on the calls so far only. A duplicate of the newest stamp maps to what that
+  /// mapped to.
   Stamp map(DeviceStamp device, Stamp arrival);
 
   const ClockHealth& health() const { return health_; }
