@@ -76,11 +76,18 @@ void FrontEnd::preprocess(const sensor::Scan& scan) {
   // Without samples (LiDAR only, or the sensor is silent) the scan is deskewed at constant velocity.
   const std::span<const ImuSample> samples =
       bracket(imu_.samples(), after_scan_before_last_.stamp, scan.end);
+  inertial::NavState earlier = after_scan_before_last_;
+  if (samples.empty()) {
+    // A deskew that feeds on its own two scans old velocity rings: its characteristic polynomial has a root at −1.
+    // The mean of two scans moves it to 0.7.
+    earlier.v_odom_imu = 0.5 * (earlier.v_odom_imu + v_odom_imu_before_that_);
+    earlier.gyro_bias = 0.5 * (earlier.gyro_bias + gyro_bias_before_that_);
+  }
   const bool first = after_scan_before_last_.stamp >= scan.end;
   if (first || !scan.points_have_time) {
     motion_.set_still(scan.begin, scan.end);
   } else {
-    motion_.predict(after_scan_before_last_, samples, scan.begin, scan.end);
+    motion_.predict(earlier, samples, scan.begin, scan.end);
   }
   preprocessor_.process(scan, motion_, T_imu_lidar_, config_.T_base_imu, odometry_.indoor(), deskewed_);
 }
@@ -94,6 +101,8 @@ std::optional<OdometryResult> FrontEnd::process(const sensor::Scan& scan) {
   const double middle_ms = thread_cpu_ms();
   const OdometryResult result =
       odometry_.process(deskewed_, bracket(imu_.samples(), odometry_.state().stamp, scan.end));
+  v_odom_imu_before_that_ = after_scan_before_last_.v_odom_imu;
+  gyro_bias_before_that_ = after_scan_before_last_.gyro_bias;
   after_scan_before_last_ = after_last_scan_;
   after_last_scan_ = odometry_.state();
   imu_.drop_before(after_scan_before_last_.stamp);

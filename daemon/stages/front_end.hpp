@@ -55,6 +55,8 @@ class FrontEnd {
   std::optional<inertial::Alignment> alignment_;
   inertial::NavState after_scan_before_last_;  // state k−2
   inertial::NavState after_last_scan_;         // state k−1
+  Eigen::Vector3d v_odom_imu_before_that_ = Eigen::Vector3d::Zero();  // of state k−3
+  Eigen::Vector3d gyro_bias_before_that_ = Eigen::Vector3d::Zero();
   scan::ScanMotion motion_;
   scan::Preprocessor preprocessor_;
   scan::DeskewedScan deskewed_;

@@ -1,0 +1,40 @@
+#include "daemon/configuration/configuration.hpp"
+
+namespace slamd::configuration {
+
+namespace {
+
+/// The Avia's own inertial sensor, seen from its lidar frame; axes parallel.
+/// Source: Livox SDK1 protocol; the lidar's origin lies at (41.65, 23.26, −28.40) mm in the imu frame.
+const Eigen::Vector3d kAviaImuInLidar_m{-0.04165, -0.02326, 0.0284};
+
+}  // namespace
+
+const char* name_of(LidarModel model) {
+  switch (model) {
+    case LidarModel::kVlp16: return "vlp16";
+    case LidarModel::kVlp16HiRes: return "vlp16_hires";
+    case LidarModel::kVlp32c: return "vlp32c";
+    case LidarModel::kHdl32e: return "hdl32e";
+    case LidarModel::kLivoxAvia: return "livox_avia";
+    case LidarModel::kPoints: return "points";
+  }
+  return "?";
+}
+
+odometry::OdometryConfig resolved_odometry(const Configuration& configuration) {
+  odometry::OdometryConfig result = configuration.odometry;
+  result.use_imu = configuration.imu.enabled;
+  result.T_base_lidar = configuration.lidar.T_base_lidar;
+  if (!configuration.imu.enabled) {
+    result.T_base_imu = geometry::Se3();
+  } else if (configuration.imu.T_base_imu) {
+    result.T_base_imu = *configuration.imu.T_base_imu;
+  } else if (configuration.imu.source == "livox") {
+    result.T_base_imu =
+        configuration.lidar.T_base_lidar * geometry::Se3(Eigen::Matrix3d::Identity(), kAviaImuInLidar_m);
+  }
+  return result;
+}
+
+}  // namespace slamd::configuration

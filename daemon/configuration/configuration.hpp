@@ -1,0 +1,76 @@
+#pragma once
+
+#include <optional>
+#include <stdexcept>
+#include <string>
+
+#include "core/geometry/se3.hpp"
+#include "core/odometry/odometry_config.hpp"
+
+namespace slamd::configuration {
+
+/// Bad configuration: one line with file, line, key, value and what is allowed. Programs print it and exit with 2.
+class ConfigurationError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// The LiDAR models of this release.
+enum class LidarModel { kVlp16, kVlp16HiRes, kVlp32c, kHdl32e, kLivoxAvia, kPoints };
+
+/// Whose time a sensor's stamps tell.
+enum class SensorClock { kEstimated, kShared };
+
+struct LidarConfiguration {
+  LidarModel model = LidarModel::kVlp16;
+  std::string source;         // file or folder in the recording; empty: the recording's only pcap
+  int port = 0;               // UDP destination port of the data; 0: the model's own
+  int position_port = 8308;   // Velodyne position packets
+  geometry::Se3 T_base_lidar;
+  double cut_azimuth_deg = 180.0;
+  Duration scan_period = std::chrono::milliseconds(100);
+  SensorClock clock = SensorClock::kEstimated;
+  bool vertical_parallax = false;
+  bool points_have_time = true;  // false: the clouds of a points folder are compensated already
+  double scans_per_second = 10.0;  // of a points folder without stamps
+};
+
+struct ImuConfiguration {
+  bool enabled = false;       // true as soon as the table is there
+  std::string source;         // file in the recording, or "livox"
+  std::optional<geometry::Se3> T_base_imu;
+  SensorClock clock = SensorClock::kEstimated;
+};
+
+struct WheelConfiguration {
+  std::string source;
+};
+
+struct GnssConfiguration {
+  bool use = false;
+  std::string source;
+  geometry::Se3 T_base_antenna;
+};
+
+struct OutputConfiguration {
+  double map_spacing_m = 0.10;
+};
+
+/// Everything that a run is made of. Extrinsics reach the odometry through `resolved_odometry`.
+struct Configuration {
+  LidarConfiguration lidar;
+  ImuConfiguration imu;
+  WheelConfiguration wheel;
+  GnssConfiguration gnss;
+  odometry::OdometryConfig odometry;
+  OutputConfiguration output;
+};
+
+/// The names of [[lidar]] model, as configured.
+const char* name_of(LidarModel model);
+
+/// Returns the odometry's configuration with the sensors' places filled in: T_base_imu follows from T_base_lidar for a
+/// built-in sensor, and is identity without one.
+odometry::OdometryConfig resolved_odometry(const Configuration& configuration);
+
+}  // namespace slamd::configuration

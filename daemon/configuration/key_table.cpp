@@ -1,0 +1,387 @@
+#include "daemon/configuration/key_table.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <map>
+#include <type_traits>
+
+#include "core/geometry/so3.hpp"
+
+namespace slamd::configuration {
+
+namespace {
+
+constexpr double kDegree = M_PI / 180.0;
+
+/// Stores into, and reads from, any of the types that configuration structs use.
+template <typename T>
+double to_number(const T& field) {
+  if constexpr (std::is_same_v<T, Duration>) {
+    return 1e-6 * static_cast<double>(field.count());  // ms
+  } else {
+    return static_cast<double>(field);
+  }
+}
+
+template <typename T>
+void from_number(T& field, double value) {
+  if constexpr (std::is_same_v<T, Duration>) {
+    field = from_seconds(1e-3 * value);
+  } else {
+    field = static_cast<T>(value);
+  }
+}
+
+/// `field` maps a Configuration to a reference to the member; `unit` is one of the key's unit in the member's.
+template <typename Field>
+Key number(const char* path, double min, double max, const char* help, Field field, double unit = 1.0) {
+  using T = std::remove_cvref_t<decltype(field(std::declval<Configuration&>()))>;
+  Key key;
+  key.path = path;
+  key.kind = std::is_integral_v<T> ? Key::Kind::kInteger : Key::Kind::kNumber;
+  key.help = help;
+  key.min = min;
+  key.max = max;
+  key.set = [field, unit](Configuration& c, const Value& v) { from_number(field(c), std::get<double>(v) * unit); };
+  key.get = [field, unit](const Configuration& c) {
+    return Value(to_number(field(const_cast<Configuration&>(c))) / unit);
+  };
+  return key;
+}
+
+template <typename Field>
+Key boolean(const char* path, const char* help, Field field) {
+  Key key;
+  key.path = path;
+  key.kind = Key::Kind::kBoolean;
+  key.help = help;
+  key.set = [field](Configuration& c, const Value& v) { field(c) = std::get<bool>(v); };
+  key.get = [field](const Configuration& c) { return Value(bool(field(const_cast<Configuration&>(c)))); };
+  return key;
+}
+
+template <typename Field>
+Key text(const char* path, const char* help, Field field) {
+  Key key;
+  key.path = path;
+  key.kind = Key::Kind::kText;
+  key.help = help;
+  key.set = [field](Configuration& c, const Value& v) { field(c) = std::get<std::string>(v); };
+  key.get = [field](const Configuration& c) { return Value(std::string(field(const_cast<Configuration&>(c)))); };
+  return key;
+}
+
+template <typename Enum, typename Field>
+Key choice(const char* path, const std::vector<std::pair<std::string, Enum>>& names, const char* help, Field field) {
+  Key key;
+  key.path = path;
+  key.kind = Key::Kind::kChoice;
+  key.help = help;
+  for (const auto& [name, value] : names) {
+    key.choices.push_back(name);
+  }
+  key.set = [field, names](Configuration& c, const Value& v) {
+    for (const auto& [name, value] : names) {
+      if (name == std::get<std::string>(v)) {
+        field(c) = value;
+      }
+    }
+  };
+  key.get = [field, names](const Configuration& c) {
+    for (const auto& [name, value] : names) {
+      if (value == field(const_cast<Configuration&>(c))) {
+        return Value(name);
+      }
+    }
+    return Value(std::string());
+  };
+  return key;
+}
+
+Key vector3(std::string path, double limit, const char* help, std::function<void(Configuration&, Eigen::Vector3d)> set,
+            std::function<std::optional<Eigen::Vector3d>(const Configuration&)> get) {
+  Key key;
+  key.path = std::move(path);
+  key.kind = Key::Kind::kVector3;
+  key.help = help;
+  key.min = -limit;
+  key.max = limit;
+  key.set = [set = std::move(set)](Configuration& c, const Value& v) {
+    const auto& values = std::get<std::vector<double>>(v);
+    set(c, {values[0], values[1], values[2]});
+  };
+  key.get = [get = std::move(get)](const Configuration& c) {
+    const auto v = get(c);
+    return Value(v ? std::vector<double>{v->x(), v->y(), v->z()} : std::vector<double>());
+  };
+  key.optional = true;
+  return key;
+}
+
+/// The two keys of a transform: xyz_m and rpy_deg, R = Rz(yaw)·Ry(pitch)·Rx(roll).
+void add_transform(std::vector<Key>& keys,
+                   const std::string& path,
+                   const char* help,
+                   const std::function<geometry::Se3&(Configuration&)>& edit,
+                   const std::function<std::optional<geometry::Se3>(const Configuration&)>& read) {
+  keys.push_back(vector3(
+      path + ".xyz_m", 1000.0, help, [edit](Configuration& c, Eigen::Vector3d v) { edit(c).translation() = v; },
+      [read](const Configuration& c) {
+        const auto T = read(c);
+        return T ? std::optional<Eigen::Vector3d>(T->translation()) : std::nullopt;
+      }));
+  keys.push_back(vector3(
+      path + ".rpy_deg", 360.0, "Its rotation: Rz(yaw)·Ry(pitch)·Rx(roll).",
+      [edit](Configuration& c, Eigen::Vector3d v) { edit(c).rotation() = geometry::rotation_from_rpy(v * kDegree); },
+      [read](const Configuration& c) {
+        const auto T = read(c);
+        return T ? std::optional<Eigen::Vector3d>(geometry::rpy_from_rotation(T->rotation()) / kDegree) : std::nullopt;
+      }));
+}
+
+Key self_filter_boxes() {
+  Key key;
+  key.path = "self_filter.boxes";
+  key.kind = Key::Kind::kBoxes;
+  key.help = "Boxes in base that hold the robot's own body: points inside are dropped.";
+  key.set = [](Configuration& c, const Value& v) {
+    auto& boxes = c.odometry.preprocess.self_filter.boxes_base;
+    boxes.clear();
+    for (const scan::Box& box : std::get<std::vector<scan::Box>>(v)) {
+      boxes.push_back(box);
+    }
+  };
+  key.get = [](const Configuration& c) {
+    const auto& boxes = c.odometry.preprocess.self_filter.boxes_base;
+    return Value(std::vector<scan::Box>(boxes.begin(), boxes.end()));
+  };
+  return key;
+}
+
+#define SLAMD_FIELD(member) [](Configuration& c) -> auto& { return c.member; }
+
+void add_sensor_keys(std::vector<Key>& keys) {
+  const std::vector<std::pair<std::string, SensorClock>> clocks{{"estimated", SensorClock::kEstimated},
+                                                                {"shared", SensorClock::kShared}};
+  std::vector<std::pair<std::string, LidarModel>> models;
+  for (const LidarModel model : {LidarModel::kVlp16, LidarModel::kVlp16HiRes, LidarModel::kVlp32c, LidarModel::kHdl32e,
+                                 LidarModel::kLivoxAvia, LidarModel::kPoints}) {
+    models.emplace_back(name_of(model), model);
+  }
+  keys.push_back(choice("lidar.model", models, "What sends the packets; points: a folder of clouds.", SLAMD_FIELD(lidar.model)));
+  keys.push_back(text("lidar.source", "File or folder of the recording; empty: its only pcap.", SLAMD_FIELD(lidar.source)));
+  keys.push_back(number("lidar.port", 0, 65535, "UDP destination port of the data; 0: the model's own.", SLAMD_FIELD(lidar.port)));
+  keys.push_back(number("lidar.position_port", 0, 65535, "UDP destination port of Velodyne position packets.", SLAMD_FIELD(lidar.position_port)));
+  add_transform(keys, "lidar.T_base_lidar", "The LiDAR's place in base.",
+                [](Configuration& c) -> geometry::Se3& { return c.lidar.T_base_lidar; },
+                [](const Configuration& c) { return std::optional<geometry::Se3>(c.lidar.T_base_lidar); });
+  keys.push_back(number("lidar.min_range_m", 0.0, 100.0, "Nearer returns are dropped.", SLAMD_FIELD(odometry.preprocess.self_filter.min_range_m)));
+  keys.push_back(number("lidar.max_range_m", 1.0, 1000.0, "Farther returns are dropped.", SLAMD_FIELD(odometry.preprocess.self_filter.max_range_m)));
+  keys.push_back(number("lidar.cut_azimuth_deg", 0.0, 360.0, "Where a spinning sensor's scan is cut.", SLAMD_FIELD(lidar.cut_azimuth_deg)));
+  keys.push_back(number("lidar.scan_period_ms", 20.0, 500.0, "Length of a Livox scan, in device time.", SLAMD_FIELD(lidar.scan_period)));
+  keys.push_back(choice("lidar.clock", clocks, "shared: stamps are on the host's time base (PTP, GPS).", SLAMD_FIELD(lidar.clock)));
+  keys.push_back(boolean("lidar.vertical_parallax", "Correct the lasers' vertical offsets (VLP-16).", SLAMD_FIELD(lidar.vertical_parallax)));
+  keys.push_back(boolean("lidar.points_have_time", "false: a points folder is compensated already.", SLAMD_FIELD(lidar.points_have_time)));
+  keys.push_back(number("lidar.scans_per_second", 0.5, 100.0, "Rate of a points folder without stamps.", SLAMD_FIELD(lidar.scans_per_second)));
+  keys.push_back(boolean("imu.enabled", "true as soon as the table is there.", SLAMD_FIELD(imu.enabled)));
+  keys.push_back(text("imu.source", "A CSV file of the recording, or \"livox\" for the built-in sensor.", SLAMD_FIELD(imu.source)));
+  add_transform(keys, "imu.T_base_imu", "The inertial sensor's place in base; a Livox's own follows from T_base_lidar.",
+                [](Configuration& c) -> geometry::Se3& {
+                  if (!c.imu.T_base_imu) {
+                    c.imu.T_base_imu.emplace();
+                  }
+                  return *c.imu.T_base_imu;
+                },
+                [](const Configuration& c) { return c.imu.T_base_imu; });
+  keys.push_back(choice("imu.clock", clocks, "As lidar.clock; a CSV file is on the time base already.", SLAMD_FIELD(imu.clock)));
+  keys.push_back(number("imu.gyro_noise_radps_sqrthz", 1e-6, 1.0, "Density of the gyroscope's noise.", SLAMD_FIELD(odometry.imu_noise.gyro_noise_radps_sqrthz)));
+  keys.push_back(number("imu.accel_noise_mps2_sqrthz", 1e-5, 10.0, "Density of the accelerometer's noise, with vibration.", SLAMD_FIELD(odometry.imu_noise.accel_noise_mps2_sqrthz)));
+  keys.push_back(number("imu.gyro_bias_walk_radps2_sqrthz", 1e-8, 0.1, "Walk of the gyroscope's bias.", SLAMD_FIELD(odometry.imu_noise.gyro_bias_walk_radps2_sqrthz)));
+  keys.push_back(number("imu.accel_bias_walk_mps3_sqrthz", 1e-7, 1.0, "Walk of the accelerometer's bias.", SLAMD_FIELD(odometry.imu_noise.accel_bias_walk_mps3_sqrthz)));
+  keys.push_back(text("wheel.source", "A CSV file of the recording (read by a later release).", SLAMD_FIELD(wheel.source)));
+  keys.push_back(boolean("gnss.use", "Use positions in the graph (a later release).", SLAMD_FIELD(gnss.use)));
+  keys.push_back(text("gnss.source", "A CSV file of the recording (read by a later release).", SLAMD_FIELD(gnss.source)));
+  add_transform(keys, "gnss.T_base_antenna", "The antenna's place in base.",
+                [](Configuration& c) -> geometry::Se3& { return c.gnss.T_base_antenna; },
+                [](const Configuration& c) { return std::optional<geometry::Se3>(c.gnss.T_base_antenna); });
+  keys.push_back(self_filter_boxes());
+}
+
+void add_odometry_keys(std::vector<Key>& keys) {
+  using odometry::Environment;
+  using odometry::Filter;
+  keys.push_back(choice<Filter>("odometry.filter", {{"psf", Filter::kPsf}, {"iekf", Filter::kIekf}}, "Particle swarm filter, or the EKF alone.", SLAMD_FIELD(odometry.filter)));
+  keys.push_back(choice<Environment>("odometry.environment", {{"auto", Environment::kAuto}, {"indoor", Environment::kIndoor}, {"outdoor", Environment::kOutdoor}}, "Cell sizes and the swarm's little square.", SLAMD_FIELD(odometry.environment)));
+  keys.push_back(number("odometry.seed", 0, 1e9, "Of the swarm; the same seed gives the same trajectory.", SLAMD_FIELD(odometry.seed)));
+  keys.push_back(number("odometry.max_planar", 100, 20000, "Planar features a scan.", SLAMD_FIELD(odometry.preprocess.max_planar)));
+  keys.push_back(number("odometry.max_edge", 0, 5000, "Edge features a scan.", SLAMD_FIELD(odometry.preprocess.max_edge)));
+  keys.push_back(number("odometry.max_points", 1000, 1e6, "Returns a scan; more are counted and dropped.", SLAMD_FIELD(odometry.preprocess.max_points)));
+  keys.push_back(number("odometry.feature_spacing_outdoor_m", 0.05, 5.0, "Features: one in a cube of this side.", SLAMD_FIELD(odometry.preprocess.feature_spacing_outdoor_m)));
+  keys.push_back(number("odometry.feature_spacing_indoor_m", 0.05, 5.0, "The same indoors.", SLAMD_FIELD(odometry.preprocess.feature_spacing_indoor_m)));
+  keys.push_back(number("odometry.planar_std_m", 0.005, 1.0, "Measurement noise of a point against its plane.", SLAMD_FIELD(odometry.update.association.planar_std_m)));
+  keys.push_back(number("odometry.edge_std_m", 0.005, 2.0, "Measurement noise of a point against its line.", SLAMD_FIELD(odometry.update.association.edge_std_m)));
+  keys.push_back(number("odometry.kernel_m", 0.01, 5.0, "Scale of the Cauchy kernel.", SLAMD_FIELD(odometry.update.kernel_m)));
+  keys.push_back(number("odometry.information_share", 0.001, 1.0, "Part of the points that counts as independent.", SLAMD_FIELD(odometry.update.information_share)));
+  keys.push_back(number("odometry.max_iterations", 1, 50, "Of the iterated EKF.", SLAMD_FIELD(odometry.update.max_iterations)));
+  keys.push_back(number("odometry.little_particles", 2, 256, "Particles of the little swarm.", SLAMD_FIELD(odometry.psf.little_particles)));
+  keys.push_back(number("odometry.recovery_particles", 2, 256, "Particles of the recovery swarm at first.", SLAMD_FIELD(odometry.psf.recovery_particles)));
+  keys.push_back(number("odometry.recovery_m", 0.1, 2.0, "Half side of the recovery box.", SLAMD_FIELD(odometry.psf.recovery_m)));
+  keys.push_back(number("odometry.recovery_deg", 1.0, 20.0, "Half side of the recovery box.", SLAMD_FIELD(odometry.psf.recovery_rad), kDegree));
+  keys.push_back(number("odometry.trigger_drop", 0.01, 4.5, "Fall of the mean log-likelihood that starts a recovery.", SLAMD_FIELD(odometry.psf.trigger_drop)));
+  keys.push_back(number("odometry.static_window_ms", 200.0, 60000.0, "Rest at the start after which odom is levelled.", SLAMD_FIELD(odometry.start_up.static_window)));
+  keys.push_back(number("map.window_m", 10.0, 10000.0, "Path after which an untouched cell is forgotten.", SLAMD_FIELD(odometry.map.window_m)));
+  keys.push_back(number("map.max_cells", 1000, 1e6, "Fine cells of 1 m; the oldest are recycled.", SLAMD_FIELD(odometry.map.max_cells)));
+  keys.push_back(number("map.max_surface_cells", 1000, 4e6, "Coarse cells; the oldest are recycled.", SLAMD_FIELD(odometry.map.max_surface_cells)));
+  keys.push_back(number("output.map_spacing_m", 0.02, 5.0, "Points of map.ply: one in a cube of this side.", SLAMD_FIELD(output.map_spacing_m)));
+}
+
+#undef SLAMD_FIELD
+
+std::string shortest(double value) {
+  char text[40];
+  for (int digits = 1; digits <= 17; ++digits) {
+    std::snprintf(text, sizeof text, "%.*g", digits, value);
+    if (std::stod(text) == value) {
+      break;
+    }
+  }
+  return text;
+}
+
+std::string print_value(const Key& key, const Value& value) {
+  if (const auto* flag = std::get_if<bool>(&value)) {
+    return *flag ? "true" : "false";
+  }
+  if (const auto* name = std::get_if<std::string>(&value)) {
+    return '"' + *name + '"';
+  }
+  if (const auto* numbers = std::get_if<std::vector<double>>(&value)) {
+    std::string line = "[";
+    for (const double v : *numbers) {
+      line += (line.size() > 1 ? ", " : "") + shortest(v) + (v == std::floor(v) && std::abs(v) < 1e15 ? ".0" : "");
+    }
+    return line + "]";
+  }
+  if (const auto* boxes = std::get_if<std::vector<scan::Box>>(&value)) {
+    std::string line = "[";
+    const auto triple = [](const float (&v)[3]) {
+      return "[" + shortest(double{v[0]}) + ", " + shortest(double{v[1]}) + ", " + shortest(double{v[2]}) + "]";
+    };
+    for (const scan::Box& box : *boxes) {
+      line += (line.size() > 1 ? ", " : "") + std::string("{ min_m = ") + triple(box.min_m) + ", max_m = " +
+              triple(box.max_m) + " }";
+    }
+    return line + "]";
+  }
+  const double v = std::get<double>(value);
+  if (key.kind == Key::Kind::kInteger) {
+    return std::to_string(static_cast<long long>(v));
+  }
+  const std::string line = shortest(v);
+  return line.find_first_of(".en") == std::string::npos ? line + ".0" : line;
+}
+
+std::size_t edit_distance(const std::string& a, const std::string& b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  for (std::size_t j = 0; j <= b.size(); ++j) {
+    row[j] = j;
+  }
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    std::size_t diagonal = row[0];
+    row[0] = i;
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      const std::size_t above = row[j];
+      row[j] = std::min({above + 1, row[j - 1] + 1, diagonal + (a[i - 1] == b[j - 1] ? 0U : 1U)});
+      diagonal = above;
+    }
+  }
+  return row[b.size()];
+}
+
+}  // namespace
+
+std::string Key::allowed() const {
+  switch (kind) {
+    case Kind::kBoolean: return "true or false";
+    case Kind::kText: return "a text in quotes";
+    case Kind::kInteger: return "a whole number from " + shortest(min) + " to " + shortest(max);
+    case Kind::kNumber: return "a number from " + shortest(min) + " to " + shortest(max);
+    case Kind::kVector3: return "three numbers from " + shortest(min) + " to " + shortest(max);
+    case Kind::kBoxes:
+      return "up to " + std::to_string(scan::SelfFilter::kMaxBoxes) + " of { min_m = [x, y, z], max_m = [x, y, z] }";
+    case Kind::kChoice: break;
+  }
+  std::string line = "one of";
+  for (const std::string& name : choices) {
+    line += (line == "one of" ? " \"" : ", \"") + name + '"';
+  }
+  return line;
+}
+
+const std::vector<Key>& all_keys() {
+  static const std::vector<Key> keys = [] {
+    std::vector<Key> list;
+    add_sensor_keys(list);
+    add_odometry_keys(list);
+    return list;
+  }();
+  return keys;
+}
+
+const Key* find_key(const std::string& path) {
+  for (const Key& key : all_keys()) {
+    if (key.path == path) {
+      return &key;
+    }
+  }
+  return nullptr;
+}
+
+std::string nearest_path(const std::string& path) {
+  std::string best;
+  std::size_t best_distance = std::max<std::size_t>(3, path.size() / 4);
+  for (const Key& key : all_keys()) {
+    const std::size_t distance = edit_distance(path, key.path);
+    if (distance < best_distance) {
+      best_distance = distance;
+      best = key.path;
+    }
+  }
+  return best;
+}
+
+std::string print_configuration(const Configuration& configuration) {
+  std::string result;
+  std::string table;
+  for (const Key& key : all_keys()) {
+    const Value value = key.get(configuration);
+    const auto* numbers = std::get_if<std::vector<double>>(&value);
+    if (key.optional && numbers != nullptr && numbers->empty()) {
+      continue;
+    }
+    const std::size_t dot = key.path.find('.');
+    const std::string own_table = key.path.substr(0, dot);
+    if (own_table != table) {
+      table = own_table;
+      result += (result.empty() ? "" : "\n") + (table == "lidar" ? "[[lidar]]" : "[" + table + "]") + "\n";
+    }
+    result += key.path.substr(dot + 1) + " = " + print_value(key, value) + "\n";
+  }
+  return result;
+}
+
+std::string print_reference() {
+  std::string result = "| key | default | allowed | meaning |\n|---|---|---|---|\n";
+  const Configuration defaults{};
+  for (const Key& key : all_keys()) {
+    const Value value = key.get(defaults);
+    const auto* numbers = std::get_if<std::vector<double>>(&value);
+    const bool unset = key.optional && numbers != nullptr && numbers->empty();
+    result += "| `" + key.path + "` | " + (unset ? std::string("–") : "`" + print_value(key, value) + "`") + " | " +
+              key.allowed() + " | " + key.help + " |\n";
+  }
+  return result;
+}
+
+}  // namespace slamd::configuration

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <functional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "daemon/configuration/configuration.hpp"
+
+namespace slamd::configuration {
+
+/// What a key can hold.
+using Value = std::variant<bool, double, std::string, std::vector<double>, std::vector<scan::Box>>;
+
+/// One key of the configuration: the only place that knows its name, type, range and meaning.
+struct Key {
+  enum class Kind { kBoolean, kInteger, kNumber, kText, kChoice, kVector3, kBoxes };
+
+  std::string path;  // with dots: "lidar.T_base_lidar.xyz_m"
+  Kind kind = Kind::kNumber;
+  std::string help;
+  double min = 0.0;
+  double max = 0.0;
+  std::vector<std::string> choices;
+  std::function<void(Configuration&, const Value&)> set;
+  std::function<Value(const Configuration&)> get;
+  bool optional = false;  // left out of print-outs while unset: get gives an empty vector
+
+  /// Says in words what may stand there.
+  std::string allowed() const;
+};
+
+/// All keys, in the order in which they are printed.
+const std::vector<Key>& all_keys();
+
+/// Returns the key with this path, or nullptr.
+const Key* find_key(const std::string& path);
+
+/// Returns the known path that is spelt most alike, or an empty string when none is near.
+std::string nearest_path(const std::string& path);
+
+/// Prints the complete configuration as TOML that reads back to the same configuration.
+std::string print_configuration(const Configuration& configuration);
+
+/// Prints the reference of all keys as a Markdown table: docs/configuration.md.
+std::string print_reference();
+
+}  // namespace slamd::configuration

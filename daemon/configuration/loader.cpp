@@ -1,0 +1,234 @@
+#include "daemon/configuration/loader.hpp"
+
+#include <cmath>
+#include <fstream>
+#include <set>
+#include <sstream>
+
+#include <toml++/toml.h>
+
+namespace slamd::configuration {
+
+namespace {
+
+/// Models that the design names and this release does not read.
+const std::set<std::string> kLaterModels{"livox_mid360", "livox_horizon", "livox_tele15", "livox_mid70"};
+
+[[noreturn]] void fail(const std::string& place, const std::string& path, const std::string& value, const std::string& why) {
+  throw ConfigurationError(place + path + (value.empty() ? "" : " = " + value) + ": " + why);
+}
+
+std::string as_text(const toml::node& node) {
+  std::ostringstream stream;
+  node.visit([&](const auto& value) { stream << value; });
+  std::string line = stream.str();
+  for (char& c : line) {
+    c = c == '\n' ? ' ' : c;
+  }
+  return line.size() > 60 ? line.substr(0, 57) + "..." : line;
+}
+
+double checked_number(const toml::node& node, const Key& key, const std::string& place) {
+  const auto number = node.value<double>();
+  const bool whole = key.kind != Key::Kind::kInteger || node.is_integer();
+  if (!node.is_number() || !number || !whole || !std::isfinite(*number) || *number < key.min || *number > key.max) {
+    fail(place, key.path, as_text(node), "must be " + key.allowed());
+  }
+  return *number;
+}
+
+bool read_triple(const toml::node* node, double limit, float (&out)[3]) {
+  const toml::array* array = node == nullptr ? nullptr : node->as_array();
+  if (array == nullptr || array->size() != 3) {
+    return false;
+  }
+  for (std::size_t i = 0; i < 3; ++i) {
+    const auto number = (*array)[i].value<double>();
+    if (!number || !std::isfinite(*number) || std::abs(*number) > limit) {
+      return false;
+    }
+    out[i] = static_cast<float>(*number);
+  }
+  return true;
+}
+
+Value read_boxes(const toml::node& node, const Key& key, const std::string& place) {
+  std::vector<scan::Box> boxes;
+  const toml::array* array = node.as_array();
+  bool good = array != nullptr && array->size() <= scan::SelfFilter::kMaxBoxes;
+  for (std::size_t i = 0; good && i < array->size(); ++i) {
+    scan::Box box{};
+    const toml::table* table = (*array)[i].as_table();
+    good = table != nullptr && table->size() == 2 && read_triple(table->get("min_m"), 1000.0, box.min_m) &&
+           read_triple(table->get("max_m"), 1000.0, box.max_m);
+    for (int axis = 0; good && axis < 3; ++axis) {
+      good = box.min_m[axis] < box.max_m[axis];
+    }
+    boxes.push_back(box);
+  }
+  if (!good) {
+    fail(place, key.path, as_text(node), "must be " + key.allowed() + ", each min below its max");
+  }
+  return boxes;
+}
+
+Value checked(const toml::node& node, const Key& key, const std::string& place) {
+  switch (key.kind) {
+    case Key::Kind::kBoolean:
+      if (node.is_boolean()) {
+        return *node.value<bool>();
+      }
+      break;
+    case Key::Kind::kInteger:
+    case Key::Kind::kNumber:
+      return checked_number(node, key, place);
+    case Key::Kind::kText:
+      if (node.is_string()) {
+        return *node.value<std::string>();
+      }
+      break;
+    case Key::Kind::kChoice: {
+      const auto name = node.is_string() ? node.value<std::string>() : std::nullopt;
+      if (key.path == "lidar.model" && name && kLaterModels.count(*name) != 0) {
+        fail(place, key.path, as_text(node), "not read by this release; must be " + key.allowed());
+      }
+      if (name && std::find(key.choices.begin(), key.choices.end(), *name) != key.choices.end()) {
+        return *name;
+      }
+      break;
+    }
+    case Key::Kind::kVector3: {
+      const toml::array* array = node.as_array();
+      if (array != nullptr && array->size() == 3) {
+        std::vector<double> values;
+        for (const toml::node& element : *array) {
+          values.push_back(checked_number(element, key, place));
+        }
+        return values;
+      }
+      break;
+    }
+    case Key::Kind::kBoxes:
+      return read_boxes(node, key, place);
+  }
+  fail(place, key.path, as_text(node), "must be " + key.allowed());
+}
+
+std::string place_of(const toml::node& node, const std::string& name) {
+  return name + ":" + std::to_string(node.source().begin.line) + ": ";
+}
+
+/// Calls leaf(path, node) for each key of a table; [[lidar]] counts as one table.
+template <typename Leaf>
+void walk(const toml::table& table, const std::string& prefix, const std::string& name, Leaf&& leaf) {
+  for (const auto& [key, node] : table) {
+    const std::string path = prefix.empty() ? std::string(key.str()) : prefix + "." + std::string(key.str());
+    if (path == "lidar") {
+      const toml::array* lidars = node.as_array();
+      if (lidars == nullptr || lidars->empty() || !lidars->front().is_table()) {
+        fail(place_of(node, name), path, "", "must be a table in double brackets: [[lidar]]");
+      }
+      if (lidars->size() > 1) {
+        fail(place_of((*lidars)[1], name), path, "", "this release takes exactly one [[lidar]]");
+      }
+      walk(*lidars->front().as_table(), path, name, leaf);
+    } else if (const toml::table* inner = node.as_table()) {
+      walk(*inner, path, name, leaf);
+    } else {
+      leaf(path, node);
+    }
+  }
+}
+
+}  // namespace
+
+std::map<std::string, Loader::Entry> Loader::parse(const std::string& toml_text, const std::string& name) {
+  toml::table table;
+  try {
+    table = toml::parse(toml_text, name);
+  } catch (const toml::parse_error& error) {
+    std::string why(error.description());
+    throw ConfigurationError(name + ":" + std::to_string(error.source().begin.line) + ": not TOML: " + why);
+  }
+  std::map<std::string, Entry> entries;
+  walk(table, "", name, [&](const std::string& path, const toml::node& node) {
+    const Key* key = find_key(path);
+    if (key == nullptr) {
+      const std::string nearest = nearest_path(path);
+      fail(place_of(node, name), path, as_text(node),
+           "unknown key" + (nearest.empty() ? std::string("; docs/configuration.md lists them") : "; did you mean " + nearest + "?"));
+    }
+    entries[path] = {checked(node, *key, place_of(node, name)), place_of(node, name)};
+  });
+  // An [imu] table, even an empty one, says that there is an inertial sensor.
+  if (const toml::node* imu = table.get("imu"); imu != nullptr && imu->is_table() && entries.count("imu.enabled") == 0) {
+    entries["imu.enabled"] = {true, place_of(*imu, name)};
+  }
+  return entries;
+}
+
+void Loader::add_file(const std::filesystem::path& file) {
+  std::ifstream stream(file);
+  if (!stream) {
+    throw ConfigurationError(file.string() + ": cannot be read");
+  }
+  std::ostringstream text;
+  text << stream.rdbuf();
+  add_text(text.str(), file.string());
+}
+
+void Loader::add_text(const std::string& toml_text, const std::string& name) {
+  for (auto& [path, entry] : parse(toml_text, name)) {
+    files_[path] = std::move(entry);
+  }
+}
+
+void Loader::add_override(const std::string& key_value) {
+  const std::size_t equals = key_value.find('=');
+  if (equals == std::string::npos || equals == 0) {
+    throw ConfigurationError("--set " + key_value + ": must be key=value");
+  }
+  const std::string path = key_value.substr(0, equals);
+  const std::string value = key_value.substr(equals + 1);
+  const Key* key = find_key(path);
+  if (key == nullptr) {
+    const std::string nearest = nearest_path(path);
+    throw ConfigurationError("--set " + key_value + ": unknown key" + (nearest.empty() ? "" : "; did you mean " + nearest + "?"));
+  }
+  const bool quoted = key->kind == Key::Kind::kText || key->kind == Key::Kind::kChoice;
+  const std::string toml_text = "value = " + (quoted && value.find('"') == std::string::npos ? '"' + value + '"' : value);
+  toml::table table;
+  try {
+    table = toml::parse(toml_text);
+  } catch (const toml::parse_error&) {
+    throw ConfigurationError("--set " + key_value + ": must be " + key->allowed());
+  }
+  overrides_[path] = {checked(*table.get("value"), *key, "--set "), "--set "};
+}
+
+Configuration Loader::load() const {
+  std::map<std::string, Entry> merged = files_;
+  for (const auto& [path, entry] : overrides_) {
+    merged[path] = entry;
+  }
+  Configuration configuration;
+  const auto apply = [&](const std::map<std::string, Entry>& entries) {
+    for (const auto& [path, entry] : entries) {
+      find_key(path)->set(configuration, entry.value);
+    }
+  };
+  const auto model = merged.find("lidar.model");
+  if (model == merged.end()) {
+    throw ConfigurationError("no [[lidar]] with a model; the shortest configuration is: [[lidar]] model = \"vlp16\"");
+  }
+  find_key("lidar.model")->set(configuration, model->second.value);
+  apply(parse(preset_of(configuration.lidar.model), std::string("preset ") + name_of(configuration.lidar.model)));
+  apply(merged);
+  if (configuration.imu.enabled && configuration.imu.source == "livox" && configuration.lidar.model != LidarModel::kLivoxAvia) {
+    const auto source = merged.find("imu.source");
+    fail(source == merged.end() ? "" : source->second.place, "imu.source", "\"livox\"", "lidar.model has no built-in inertial sensor");
+  }
+  return configuration;
+}
+
+}  // namespace slamd::configuration

@@ -1,0 +1,137 @@
+#include "drivers/recording/csv_reader.hpp"
+
+#include <charconv>
+#include <cmath>
+#include <string_view>
+
+namespace slamd::recording {
+
+namespace {
+
+constexpr const char* kImuColumns[] = {"timestamp_ns", "gx_rad_s", "gy_rad_s", "gz_rad_s",
+                                       "ax_m_s2",      "ay_m_s2",  "az_m_s2"};
+
+std::string_view trimmed(std::string_view text) {
+  while (!text.empty() && (text.front() == ' ' || text.front() == '\t')) {
+    text.remove_prefix(1);
+  }
+  while (!text.empty() && (text.back() == ' ' || text.back() == '\t' || text.back() == '\r')) {
+    text.remove_suffix(1);
+  }
+  return text;
+}
+
+/// Calls field(index, text) for each comma-separated field.
+template <typename Field>
+std::size_t for_each_field(std::string_view line, Field&& field) {
+  std::size_t index = 0;
+  for (;;) {
+    const std::size_t comma = line.find(',');
+    field(index++, trimmed(line.substr(0, comma)));
+    if (comma == std::string_view::npos) {
+      return index;
+    }
+    line.remove_prefix(comma + 1);
+  }
+}
+
+template <typename T>
+bool parse_number(std::string_view text, T& value) {
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  return error == std::errc() && end == text.data() + text.size();
+}
+
+}  // namespace
+
+const char* name_of(RowRefusal reason) {
+  switch (reason) {
+    case RowRefusal::kTooFewColumns: return "too_few_columns";
+    case RowRefusal::kNotANumber: return "not_a_number";
+    case RowRefusal::kTimeNotIncreasing: return "time_not_increasing";
+  }
+  return "?";
+}
+
+CsvReader::CsvReader(const std::filesystem::path& file, std::span<const char* const> columns)
+    : file_(file), stream_(file), places_(columns.size(), std::string::npos) {
+  if (!stream_ || !std::getline(stream_, line_)) {
+    throw RecordingError(file, "cannot be read, or is empty");
+  }
+  ++line_number_;
+  for_each_field(line_, [&](std::size_t index, std::string_view name) {
+    for (std::size_t i = 0; i < columns.size(); ++i) {
+      if (name == columns[i]) {
+        places_[i] = index;
+      }
+    }
+  });
+  for (std::size_t i = 0; i < columns.size(); ++i) {
+    if (places_[i] == std::string::npos) {
+      throw RecordingError(file, std::string("line 1: the header has no column ") + columns[i]);
+    }
+  }
+}
+
+bool CsvReader::next(Stamp& stamp, std::span<double> values) {
+  while (std::getline(stream_, line_)) {
+    ++line_number_;
+    if (trimmed(line_).empty() || line_.front() == '#') {
+      continue;
+    }
+    const std::optional<RowRefusal> refusal = parse(stamp, values);
+    if (!refusal) {
+      last_ = stamp;
+      ++counters_.rows;
+      return true;
+    }
+    ++counters_.refused[static_cast<std::size_t>(*refusal)];
+    if (counters_.first_refused_line == 0) {
+      counters_.first_refused_line = line_number_;
+    }
+  }
+  return false;
+}
+
+std::optional<RowRefusal> CsvReader::parse(Stamp& stamp, std::span<double> values) const {
+  std::size_t found = 0;
+  bool numbers = true;
+  for_each_field(line_, [&](std::size_t index, std::string_view text) {
+    for (std::size_t i = 0; i < places_.size(); ++i) {
+      if (places_[i] != index) {
+        continue;
+      }
+      ++found;
+      if (i == 0) {
+        std::int64_t ns = 0;
+        numbers = parse_number(text, ns) && numbers;
+        stamp = Stamp{} + Duration(ns);
+      } else {
+        numbers = parse_number(text, values[i - 1]) && std::isfinite(values[i - 1]) && numbers;
+      }
+    }
+  });
+  if (found < places_.size()) {
+    return RowRefusal::kTooFewColumns;
+  }
+  if (!numbers) {
+    return RowRefusal::kNotANumber;
+  }
+  if (last_ && stamp <= *last_) {
+    return RowRefusal::kTimeNotIncreasing;
+  }
+  return std::nullopt;
+}
+
+ImuCsvReader::ImuCsvReader(const std::filesystem::path& file) : csv_(file, kImuColumns) {}
+
+bool ImuCsvReader::next(sensor::ImuSample& sample) {
+  std::array<double, 6> values{};
+  if (!csv_.next(sample.stamp, values)) {
+    return false;
+  }
+  sample.angular_rate_radps = {values[0], values[1], values[2]};
+  sample.specific_force_mps2 = {values[3], values[4], values[5]};
+  return true;
+}
+
+}  // namespace slamd::recording

@@ -1,0 +1,175 @@
+#include "daemon/stages/front_end.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <random>
+#include <vector>
+
+#include "core/geometry/so3.hpp"
+#include "tests/support/allocation_guard.hpp"
+#include "tests/world/room.hpp"
+
+namespace slamd::stages {
+namespace {
+
+using geometry::Se3;
+using odometry::Filter;
+using odometry::OdometryConfig;
+using odometry::OdometryResult;
+using odometry::State;
+using sensor::ImuSample;
+
+/// A vehicle that stands for a second and then drives a circle in the hall, speeding up smoothly; lidar = imu = base.
+struct Drive {
+  double radius_m = 3.0;
+  double top_speed_mps = 1.2;
+
+  double angle_rad(double t_s) const {
+    const double t = std::max(0.0, t_s - 1.5);
+    // The speed rises over two seconds with a continuous slope.
+    const double ramp = t < 2.0 ? t * t * t / 4.0 - t * t * t * t / 16.0 : t - 1.0;
+    return top_speed_mps * ramp / radius_m;
+  }
+
+  Se3 pose(double t_s) const {
+    const double a = angle_rad(t_s);
+    return {geometry::rotation_from_rpy({0.0, 0.0, a}),
+            Eigen::Vector3d(radius_m * std::sin(a), radius_m * (1.0 - std::cos(a)) - 3.0, 1.0)};
+  }
+
+  ImuSample imu(double t_s) const {
+    constexpr double kStep = 1e-3;
+    const auto p = [&](double t) { return pose(t).translation(); };
+    const Eigen::Vector3d acceleration = (p(t_s + kStep) - 2.0 * p(t_s) + p(t_s - kStep)) / (kStep * kStep);
+    const double rate = (angle_rad(t_s + kStep) - angle_rad(t_s - kStep)) / (2.0 * kStep);
+    const Eigen::Vector3d force = acceleration + Eigen::Vector3d(0.0, 0.0, inertial::kGravityMps2);
+    return {Stamp{} + from_seconds(t_s), {0.0, 0.0, rate}, pose(t_s).rotation().transpose() * force};
+  }
+};
+
+struct Outcome {
+  double worst_m = 0.0;  // after the first pose was laid on the truth
+  double worst_rad = 0.0;
+  int scans = 0;
+  int degraded = 0;
+  std::size_t allocations = 0;
+  Se3 T_odom_base_last;
+};
+
+OdometryConfig small_config() {
+  OdometryConfig config;
+  config.preprocess.max_points = 20'000;
+  return config;
+}
+
+/// Drives through the room; `silent(t)` tells when the inertial sensor says nothing.
+template <typename Silent>
+Outcome follow(const OdometryConfig& config, double seconds, Silent&& silent) {
+  std::mt19937_64 engine(11);
+  std::normal_distribution<double> normal;
+  const Drive drive;
+  const world::Room room;
+  const Eigen::Vector3d gyro_bias(0.003, -0.002, 0.004);
+  const Eigen::Vector3d accel_bias(0.05, -0.08, 0.06);
+  FrontEnd sut(config);
+  Outcome outcome;
+  Se3 T_world_odom;
+  int next_imu = 0;
+  for (int k = 0; 0.1 * (k + 1) < seconds; ++k) {
+    const Stamp begin = Stamp{} + k * std::chrono::milliseconds(100);
+    for (; 0.005 * next_imu <= 0.1 * (k + 1); ++next_imu) {
+      ImuSample sample = drive.imu(0.005 * next_imu);
+      for (int axis = 0; axis < 3; ++axis) {
+        sample.angular_rate_radps[axis] += gyro_bias[axis] + 0.003 * normal(engine);
+        sample.specific_force_mps2[axis] += accel_bias[axis] + 0.025 * normal(engine);
+      }
+      if (!silent(0.005 * next_imu)) {
+        sut.add_imu(sample);
+      }
+    }
+    const sensor::Scan scan = room.scan(begin, std::chrono::milliseconds(100), 600, 0.01, engine,
+                                        [&](double t) { return drive.pose(0.1 * k + t); });
+    std::optional<OdometryResult> result;
+    outcome.allocations += support::count_allocations([&] { result = sut.process(scan); });
+    if (!result) {
+      continue;
+    }
+    const Se3 truth = drive.pose(0.1 * (k + 1));
+    if (outcome.scans++ == 0) {
+      T_world_odom = truth * result->T_odom_base.inverse();
+    }
+    const geometry::Vector6d error = geometry::boxminus(T_world_odom * result->T_odom_base, truth);
+    outcome.worst_m = std::max(outcome.worst_m, error.head<3>().norm());
+    outcome.worst_rad = std::max(outcome.worst_rad, error.tail<3>().norm());
+    outcome.degraded += result->state == State::kDegraded ? 1 : 0;
+    outcome.T_odom_base_last = result->T_odom_base;
+  }
+  return outcome;
+}
+
+const auto kNeverSilent = [](double) { return false; };
+
+TEST(FrontEnd, FollowsADriveWithinCentimetres) {
+  for (const Filter filter : {Filter::kPsf, Filter::kIekf}) {
+    OdometryConfig config = small_config();
+    config.filter = filter;
+
+    const Outcome outcome = follow(config, 12.0, kNeverSilent);
+
+    EXPECT_GT(outcome.scans, 100);
+    EXPECT_LT(outcome.worst_m, 0.03);
+    EXPECT_LT(outcome.worst_rad, 0.006);
+    EXPECT_EQ(outcome.degraded, 0);
+  }
+}
+
+TEST(FrontEnd, FollowsADriveWithoutInertialSensor) {
+  OdometryConfig config = small_config();
+  config.use_imu = false;
+
+  const Outcome outcome = follow(config, 12.0, kNeverSilent);
+
+  EXPECT_LT(outcome.worst_m, 0.06);
+  EXPECT_LT(outcome.worst_rad, 0.02);
+}
+
+TEST(FrontEnd, SurvivesSilenceOfTheInertialSensorAndItsReturn) {
+  const Outcome outcome = follow(small_config(), 12.0, [](double t) { return t > 5.0 && t < 7.0; });
+
+  EXPECT_GE(outcome.degraded, 15);
+  EXPECT_LE(outcome.degraded, 30);
+  EXPECT_LT(outcome.worst_m, 0.10);
+}
+
+TEST(FrontEnd, GivesTheSameBitsTwice) {
+  const Outcome first = follow(small_config(), 4.0, kNeverSilent);
+  const Outcome second = follow(small_config(), 4.0, kNeverSilent);
+
+  EXPECT_EQ(first.T_odom_base_last.translation(), second.T_odom_base_last.translation());
+  EXPECT_EQ(first.T_odom_base_last.rotation(), second.T_odom_base_last.rotation());
+}
+
+TEST(FrontEnd, DoesNotAllocate) {
+  SLAMD_NEEDS_ALLOCATION_GUARD();
+
+  const Outcome outcome = follow(small_config(), 3.0, kNeverSilent);
+
+  EXPECT_GT(outcome.scans, 10);
+  EXPECT_EQ(outcome.allocations, 0U);
+}
+
+TEST(FrontEnd, WaitsForInertialSamplesButNotForEver) {
+  FrontEnd sut(small_config());
+  sensor::Scan scan(10);
+  scan.end = Stamp{} + std::chrono::milliseconds(100);
+  sut.add_imu({scan.end - std::chrono::milliseconds(5), {}, {0.0, 0.0, 9.8}});
+
+  EXPECT_FALSE(sut.ready_for(scan, scan.end + std::chrono::milliseconds(1)));
+  EXPECT_TRUE(sut.ready_for(scan, scan.end + FrontEnd::kImuPatience));
+  sut.add_imu({scan.end, {}, {0.0, 0.0, 9.8}});
+  EXPECT_TRUE(sut.ready_for(scan, scan.end + std::chrono::milliseconds(1)));
+}
+
+}  // namespace
+}  // namespace slamd::stages
