@@ -1,0 +1,303 @@
+#include "drivers/livox/livox_decoder.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+
+#include "core/base/assert.hpp"
+#include "core/base/bytes.hpp"
+
+namespace slamd::livox {
+
+namespace {
+
+constexpr std::uint8_t kControlSof = 0xAA;
+constexpr std::size_t kShortestControlFrame = 15;
+constexpr std::uint8_t kImuDataType = 6;
+constexpr std::size_t kImuBytes = 24;
+constexpr double kStandardGravity_mps2 = 9.80665;
+constexpr std::uint64_t kNanosecondsPerSecond = 1'000'000'000;
+
+bool is_control_frame(std::span<const std::byte> payload) {
+  return payload.size() >= kShortestControlFrame &&
+         load_le<std::uint8_t>(payload, 0) == kControlSof;
+}
+
+/// Reads a float that must be finite; clears finite otherwise.
+double finite_float(std::span<const std::byte> bytes, std::size_t offset, bool& finite) {
+  const auto value = load_le<float>(bytes, offset);
+  finite = finite && std::isfinite(value);
+  return value;
+}
+
+/// The direction of a spherical firing.
+struct Direction {
+  std::uint16_t zenith_cdeg = 0;   // from +z
+  std::uint16_t azimuth_cdeg = 0;  // from +x towards +y
+
+  bool valid() const { return zenith_cdeg <= 18000 && azimuth_cdeg <= 36000; }
+};
+
+std::array<double, 3> unit_vector(const Direction& direction) {
+  constexpr double kRadPerCdeg = std::numbers::pi / 18000.0;
+  const double zenith_rad = direction.zenith_cdeg * kRadPerCdeg;
+  const double azimuth_rad = direction.azimuth_cdeg * kRadPerCdeg;
+  return {std::sin(zenith_rad) * std::cos(azimuth_rad),
+          std::sin(zenith_rad) * std::sin(azimuth_rad),
+          std::cos(zenith_rad)};
+}
+
+/// One return as it is on the wire; which of the coordinates count, the layout says.
+struct WireReturn {
+  std::array<std::int32_t, 3> xyz_mm{};
+  std::uint32_t depth_mm = 0;
+  std::uint8_t reflectivity = 0;
+  std::uint8_t tag = 0;
+};
+
+WireReturn cartesian_return(std::span<const std::byte> bytes, bool tagged) {
+  WireReturn wire;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    wire.xyz_mm[axis] = load_le<std::int32_t>(bytes, 4 * axis);
+  }
+  wire.reflectivity = load_le<std::uint8_t>(bytes, 12);
+  wire.tag = tagged ? load_le<std::uint8_t>(bytes, 13) : std::uint8_t{0};
+  return wire;
+}
+
+/// A lone return has its depth in front of the angles; several have the angles in front of all.
+WireReturn spherical_return(std::span<const std::byte> firing,
+                            std::size_t echo,
+                            std::size_t echoes,
+                            bool tagged) {
+  const std::size_t depth_at = echoes == 1 ? 0 : 4 + 6 * echo;
+  const std::size_t rest_at = echoes == 1 ? 8 : depth_at + 4;
+  WireReturn wire;
+  wire.depth_mm = load_le<std::uint32_t>(firing, depth_at);
+  wire.reflectivity = load_le<std::uint8_t>(firing, rest_at);
+  wire.tag = tagged ? load_le<std::uint8_t>(firing, rest_at + 1) : std::uint8_t{0};
+  return wire;
+}
+
+Direction direction_of(std::span<const std::byte> firing, std::size_t echoes) {
+  const std::size_t at = echoes == 1 ? 4 : 0;
+  return {load_le<std::uint16_t>(firing, at), load_le<std::uint16_t>(firing, at + 2)};
+}
+
+}  // namespace
+
+/// How the points of one data type lie in the packet. Source: livox-sdk1.md §5.3.
+struct LivoxDecoder::Layout {
+  bool spherical;
+  bool tagged;
+  std::size_t echoes;
+  std::size_t firings;
+  std::size_t firing_bytes;
+
+  static std::optional<Layout> of(std::uint8_t data_type) {
+    switch (data_type) {
+      case 0:
+        return Layout{false, false, 1, 100, 13};
+      case 1:
+        return Layout{true, false, 1, 100, 9};
+      case 2:
+        return Layout{false, true, 1, 96, 14};
+      case 3:
+        return Layout{true, true, 1, 96, 10};
+      case 4:
+        return Layout{false, true, 2, 48, 28};
+      case 5:
+        return Layout{true, true, 2, 48, 16};
+      case 7:
+        return Layout{false, true, 3, 30, 42};
+      case 8:
+        return Layout{true, true, 3, 30, 22};
+      default:
+        return std::nullopt;
+    }
+  }
+
+  std::size_t bytes() const { return firings * firing_bytes; }
+};
+
+std::string_view name_of(DecodeResult result) {
+  switch (result) {
+    case DecodeResult::kPoints:
+      return "points";
+    case DecodeResult::kImu:
+      return "imu";
+    case DecodeResult::kControlFrame:
+      return "control_frame";
+    case DecodeResult::kTooShort:
+      return "too_short";
+    case DecodeResult::kUnknownVersion:
+      return "unknown_version";
+    case DecodeResult::kUnknownDataType:
+      return "unknown_data_type";
+    case DecodeResult::kWrongLength:
+      return "wrong_length";
+    case DecodeResult::kBadTimestampType:
+      return "bad_timestamp_type";
+    case DecodeResult::kBadTimestamp:
+      return "bad_timestamp";
+    case DecodeResult::kBadImu:
+      return "bad_imu";
+  }
+  return "?";
+}
+
+LivoxDecoder::LivoxDecoder(const LivoxConfig& config) : config_(config) {
+  SLAMD_ASSERT(config.firings_per_second >= 1000 && config.lines > 0);
+  SLAMD_ASSERT(config.min_range_m < config.max_range_m);
+}
+
+DecodeResult LivoxDecoder::decode(std::span<const std::byte> payload,
+                                  Stamp received,
+                                  sensor::PointBlock& block,
+                                  ImuReading& imu) {
+  const DecodeResult result = decode_checked(payload, received, block, imu);
+  ++counters_.packets[static_cast<std::size_t>(result)];
+  return result;
+}
+
+DecodeResult LivoxDecoder::decode_checked(std::span<const std::byte> payload,
+                                          Stamp received,
+                                          sensor::PointBlock& block,
+                                          ImuReading& imu) {
+  if (is_control_frame(payload)) {
+    return DecodeResult::kControlFrame;
+  }
+  if (payload.size() < DataHeader::kBytes) {
+    return DecodeResult::kTooShort;
+  }
+  const DataHeader header = parse_header(payload);
+  if (header.version != DataHeader::kVersion) {
+    return DecodeResult::kUnknownVersion;
+  }
+  const std::optional<Layout> layout = Layout::of(header.data_type);
+  if (!layout && header.data_type != kImuDataType) {
+    return DecodeResult::kUnknownDataType;
+  }
+  const std::span<const std::byte> body = payload.subspan(DataHeader::kBytes);
+  if (body.size() != (layout ? layout->bytes() : kImuBytes)) {
+    return DecodeResult::kWrongLength;
+  }
+  const std::optional<TimestampType> timestamp_type = timestamp_type_of(header.timestamp_type);
+  if (!timestamp_type) {
+    return DecodeResult::kBadTimestampType;
+  }
+  const std::optional<DeviceStamp> stamp = parse_device_stamp(payload, *timestamp_type);
+  if (!stamp) {
+    return DecodeResult::kBadTimestamp;
+  }
+  if (layout) {
+    block.device_stamp = *stamp;
+    block.received = received;
+    decode_points(*layout, body, block);
+  } else {
+    bool finite = true;
+    ImuReading reading{*stamp, received};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const auto i = static_cast<Eigen::Index>(axis);
+      reading.angular_rate_radps[i] = finite_float(body, 4 * axis, finite);
+      reading.specific_force_mps2[i] =
+          finite_float(body, 12 + 4 * axis, finite) * kStandardGravity_mps2;
+    }
+    if (!finite) {
+      return DecodeResult::kBadImu;
+    }
+    imu = reading;
+  }
+  last_header_ = header;
+  return layout ? DecodeResult::kPoints : DecodeResult::kImu;
+}
+
+void LivoxDecoder::decode_points(const Layout& layout,
+                                 std::span<const std::byte> bytes,
+                                 sensor::PointBlock& block) {
+  block.stamp = Stamp{};
+  block.duration = Duration{offset_ns(layout.firings)};
+  block.empty_firings = 0;
+  block.points.clear();
+  block.sequences.clear();
+  for (std::size_t i = 0; i < layout.firings; ++i) {
+    const auto firing = bytes.subspan(i * layout.firing_bytes, layout.firing_bytes);
+    sensor::Point point;
+    point.offset_ns = offset_ns(i);
+    point.line = static_cast<std::uint8_t>(i % config_.lines);
+    const bool any_return = layout.spherical ? decode_spherical(layout, firing, point, block)
+                                             : decode_cartesian(layout, firing, point, block);
+    block.empty_firings += any_return ? 0 : 1;
+  }
+  counters_.points += block.points.size();
+  counters_.empty_firings += block.empty_firings;
+}
+
+bool LivoxDecoder::decode_cartesian(const Layout& layout,
+                                    std::span<const std::byte> firing,
+                                    sensor::Point point,
+                                    sensor::PointBlock& block) {
+  const std::size_t return_bytes = layout.firing_bytes / layout.echoes;
+  bool any_return = false;
+  for (std::size_t echo = 0; echo < layout.echoes; ++echo) {
+    const auto wire = cartesian_return(firing.subspan(echo * return_bytes), layout.tagged);
+    if (wire.xyz_mm == std::array<std::int32_t, 3>{}) {
+      continue;
+    }
+    any_return = true;
+    point.echo = static_cast<std::uint8_t>(echo);
+    point.intensity = wire.reflectivity;
+    point.tag = wire.tag;
+    append({wire.xyz_mm[0] * 1e-3, wire.xyz_mm[1] * 1e-3, wire.xyz_mm[2] * 1e-3}, point, block);
+  }
+  return any_return;
+}
+
+bool LivoxDecoder::decode_spherical(const Layout& layout,
+                                    std::span<const std::byte> firing,
+                                    sensor::Point point,
+                                    sensor::PointBlock& block) {
+  const Direction direction = direction_of(firing, layout.echoes);
+  const std::array<double, 3> unit = unit_vector(direction);
+  bool any_return = false;
+  for (std::size_t echo = 0; echo < layout.echoes; ++echo) {
+    const auto wire = spherical_return(firing, echo, layout.echoes, layout.tagged);
+    if (wire.depth_mm == 0) {
+      continue;
+    }
+    any_return = true;
+    if (!direction.valid()) {
+      ++counters_.bad_angles;
+      continue;
+    }
+    const double depth_m = wire.depth_mm * 1e-3;
+    point.echo = static_cast<std::uint8_t>(echo);
+    point.intensity = wire.reflectivity;
+    point.tag = wire.tag;
+    append({depth_m * unit[0], depth_m * unit[1], depth_m * unit[2]}, point, block);
+  }
+  return any_return;
+}
+
+/// Gives a return out unless the range gate stops it.
+void LivoxDecoder::append(const std::array<double, 3>& p_lidar_m,
+                          sensor::Point point,
+                          sensor::PointBlock& block) {
+  const double range_m = std::hypot(p_lidar_m[0], p_lidar_m[1], p_lidar_m[2]);
+  if (range_m < config_.min_range_m || range_m > config_.max_range_m) {
+    ++counters_.out_of_range;
+    return;
+  }
+  point.x_m = static_cast<float>(p_lidar_m[0]);
+  point.y_m = static_cast<float>(p_lidar_m[1]);
+  point.z_m = static_cast<float>(p_lidar_m[2]);
+  block.points.push_back(point);
+}
+
+std::uint32_t LivoxDecoder::offset_ns(std::size_t firing) const {
+  const std::uint64_t rate = config_.firings_per_second;
+  return static_cast<std::uint32_t>((firing * kNanosecondsPerSecond + rate / 2) / rate);
+}
+
+}  // namespace slamd::livox
