@@ -1,0 +1,167 @@
+#include "daemon/stages/packet_stage.hpp"
+
+namespace slamd::stages {
+
+using configuration::Configuration;
+using configuration::LidarModel;
+using configuration::SensorClock;
+
+namespace {
+
+constexpr int kVelodynePort = 2368;
+constexpr Duration kHour = std::chrono::hours(1);
+
+std::optional<velodyne::Model> velodyne_model(LidarModel model) {
+  switch (model) {
+    case LidarModel::kVlp16: return velodyne::Model::kVlp16;
+    case LidarModel::kVlp16HiRes: return velodyne::Model::kVlp16HiRes;
+    case LidarModel::kVlp32c: return velodyne::Model::kVlp32c;
+    case LidarModel::kHdl32e: return velodyne::Model::kHdl32e;
+    default: return std::nullopt;
+  }
+}
+
+sensor::ClockConfig clock_config(const Configuration& configuration, bool livox) {
+  sensor::ClockConfig config;
+  config.kind = configuration.lidar.clock == SensorClock::kShared ? sensor::ClockKind::kShared
+                                                                  : sensor::ClockKind::kEstimated;
+  config.roll_over = livox ? Duration{} : kHour;
+  return config;
+}
+
+sensor::ScanAssemblerConfig assembler_config(const Configuration& configuration, bool livox) {
+  sensor::ScanAssemblerConfig config;
+  config.rule = livox ? sensor::CutRule::kPeriod : sensor::CutRule::kAzimuth;
+  config.cut_azimuth_deg = configuration.lidar.cut_azimuth_deg;
+  config.period = configuration.lidar.scan_period;
+  config.max_points = configuration.odometry.preprocess.max_points;
+  return config;
+}
+
+std::string hex(std::uint8_t value) {
+  const char* digits = "0123456789abcdef";
+  return std::string("0x") + digits[value >> 4] + digits[value & 15];
+}
+
+}  // namespace
+
+PacketStage::PacketStage(const Configuration& configuration)
+    : livox_(configuration.lidar.model == LidarModel::kLivoxAvia),
+      takes_imu_(configuration.imu.enabled && configuration.imu.source == "livox"),
+      port_(configuration.lidar.port == 0 && !livox_ ? kVelodynePort : configuration.lidar.port),
+      position_port_(configuration.lidar.position_port),
+      velodyne_({velodyne_model(configuration.lidar.model), configuration.lidar.vertical_parallax}),
+      livox_decoder_(livox::LivoxConfig{}),
+      clock_(clock_config(configuration, livox_)),
+      assembler_(assembler_config(configuration, livox_)) {}
+
+PacketOutcome PacketStage::add(const recording::Packet& packet) {
+  return livox_ ? add_livox(packet) : add_velodyne(packet);
+}
+
+const sensor::Scan* PacketStage::assemble() {
+  // A packet leaves when its last firing is done: that, not its first, is what latency counts from.
+  block_.stamp = clock_.map(block_.device_stamp, block_.received - block_.duration);
+  return assembler_.add(block_);
+}
+
+PacketOutcome PacketStage::add_velodyne(const recording::Packet& packet) {
+  PacketOutcome outcome;
+  if (packet.destination_port == position_port_ && position_port_ != port_) {
+    velodyne::Position position;
+    if (velodyne::decode_position(packet.payload, position) == velodyne::PositionResult::kOk) {
+      position_ = position;
+      ++positions_;
+    } else {
+      ++positions_refused_;
+    }
+  } else if (packet.destination_port != port_) {
+    ++foreign_;
+  } else if (velodyne_.decode(packet.payload, packet.received, block_) == velodyne::DecodeResult::kOk) {
+    outcome.scan = assemble();
+  }
+  return outcome;
+}
+
+PacketOutcome PacketStage::add_livox(const recording::Packet& packet) {
+  PacketOutcome outcome;
+  if (port_ != 0 && packet.destination_port != port_) {
+    ++foreign_;
+    return outcome;
+  }
+  switch (livox_decoder_.decode(packet.payload, packet.received, block_, imu_reading_)) {
+    case livox::DecodeResult::kPoints:
+      outcome.scan = assemble();
+      break;
+    case livox::DecodeResult::kImu:
+      if (takes_imu_) {
+        outcome.imu = sensor::ImuSample{clock_.map(imu_reading_.device_stamp, packet.received),
+                                        imu_reading_.angular_rate_radps,
+                                        imu_reading_.specific_force_mps2};
+      }
+      break;
+    default:
+      break;  // counted by the decoder
+  }
+  return outcome;
+}
+
+NamedCounts PacketStage::packets() const {
+  NamedCounts counts;
+  const auto add_if = [&](const std::string& name, std::uint64_t count, bool always) {
+    if (always || count != 0) {
+      counts.emplace_back(name, count);
+    }
+  };
+  if (livox_) {
+    for (std::size_t i = 0; i < livox::kDecodeResults; ++i) {
+      const auto result = static_cast<livox::DecodeResult>(i);
+      const bool good = result == livox::DecodeResult::kPoints || result == livox::DecodeResult::kImu;
+      add_if((good ? "" : "refused_") + std::string(livox::name_of(result)), livox_decoder_.counters().of(result), good);
+    }
+  } else {
+    for (std::size_t i = 0; i < velodyne::kDecodeResults; ++i) {
+      const auto result = static_cast<velodyne::DecodeResult>(i);
+      const bool good = result == velodyne::DecodeResult::kOk;
+      add_if(good ? "data" : std::string("refused_") + velodyne::name_of(result), velodyne_.report().of(result), good);
+    }
+    add_if("position", positions_, true);
+    add_if("refused_position", positions_refused_, false);
+  }
+  add_if("foreign_port", foreign_, true);
+  return counts;
+}
+
+NamedCounts PacketStage::blocks() const {
+  NamedCounts counts;
+  const sensor::ScanAssemblerCounts& scans = assembler_.counts();
+  counts.emplace_back("accepted", scans.blocks_accepted);
+  for (std::size_t i = 0; i < sensor::kBlockRefusals; ++i) {
+    const auto reason = static_cast<sensor::BlockRefusal>(i);
+    counts.emplace_back("refused_" + std::string(sensor::to_string(reason)), scans.refused_for(reason));
+  }
+  counts.emplace_back("missing", scans.blocks_missing);
+  return counts;
+}
+
+std::vector<std::string> PacketStage::remarks() const {
+  std::vector<std::string> lines;
+  if (velodyne_.report().other_product != 0) {
+    lines.push_back("odd firmware: " + std::to_string(velodyne_.report().other_product) +
+                    " packets carry product byte " + hex(velodyne_.report().last_product) +
+                    ", which is not the configured model's");
+  }
+  if (positions_ != 0 && !position_.has_sentence) {
+    lines.emplace_back("position packets carry no NMEA sentence: the sensor hears no GNSS");
+  }
+  if (foreign_ != 0) {
+    lines.push_back(std::to_string(foreign_) + " packets went to other ports than the sensor's (" +
+                    std::to_string(port_) + ")");
+  }
+  if (clock_.health().steps != 0) {
+    lines.push_back("the sensor's clock jumped " + std::to_string(clock_.health().steps) + " times");
+  }
+  return lines;
+}
+
+}  // namespace slamd::stages

@@ -1,0 +1,48 @@
+#include "drivers/storage/ply_writer.hpp"
+
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <stdexcept>
+
+#include "core/base/bytes.hpp"
+
+namespace slamd::storage {
+
+PlyWriter::PlyWriter(const std::filesystem::path& file) : file_(file), stream_(std::fopen(file.c_str(), "wb"), std::fclose) {
+  if (!stream_) {
+    throw std::runtime_error(file.string() + ": " + std::strerror(errno));
+  }
+  write_header();
+}
+
+void PlyWriter::write_header() {
+  // The count has a fixed width, so that it can be written over once it is known.
+  std::fprintf(stream_.get(),
+               "ply\nformat binary_little_endian 1.0\nelement vertex %012llu\nproperty float x\nproperty float y\n"
+               "property float z\nend_header\n",
+               static_cast<unsigned long long>(points_));
+}
+
+void PlyWriter::write(const Eigen::Vector3f& p) {
+  std::array<std::byte, 12> bytes{};
+  store_le(bytes, 0, p.x());
+  store_le(bytes, 4, p.y());
+  store_le(bytes, 8, p.z());
+  std::fwrite(bytes.data(), 1, bytes.size(), stream_.get());
+  ++points_;
+}
+
+void PlyWriter::close() {
+  if (!stream_) {
+    return;
+  }
+  std::rewind(stream_.get());
+  write_header();
+  const bool failed = std::ferror(stream_.get()) != 0;
+  if (std::fclose(stream_.release()) != 0 || failed) {
+    throw std::runtime_error(file_.string() + ": could not be written whole: " + std::strerror(errno));
+  }
+}
+
+}  // namespace slamd::storage

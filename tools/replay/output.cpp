@@ -1,0 +1,181 @@
+#include "tools/replay/output.hpp"
+
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
+#include <cstring>
+#include <fstream>
+#include <map>
+
+#include <nlohmann/json.hpp>
+
+#include "drivers/recording/tum.hpp"
+
+namespace slamd::replay {
+
+using nlohmann::ordered_json;
+
+namespace {
+
+std::unique_ptr<std::FILE, int (*)(std::FILE*)> open(const std::filesystem::path& file) {
+  std::unique_ptr<std::FILE, int (*)(std::FILE*)> stream(std::fopen(file.c_str(), "wb"), std::fclose);
+  if (!stream) {
+    throw recording::RecordingError(file, std::strerror(errno));
+  }
+  return stream;
+}
+
+/// The largest resident set of this process so far. Units: MB.
+double peak_rss_mb() {
+  std::ifstream status("/proc/self/status");
+  for (std::string line; std::getline(status, line);) {
+    if (line.rfind("VmHWM:", 0) == 0) {
+      return std::stod(line.substr(6)) / 1024.0;
+    }
+  }
+  return 0.0;
+}
+
+ordered_json json_of(const stages::NamedCounts& counts) {
+  ordered_json object = ordered_json::object();
+  for (const auto& [name, count] : counts) {
+    object[name] = count;
+  }
+  return object;
+}
+
+ordered_json json_of(const TimeSummary& times) {
+  const auto rounded = [](double ms) { return std::round(1e3 * ms) / 1e3; };
+  return {{"median", rounded(times.median)}, {"p95", rounded(times.p95)}, {"p99", rounded(times.p99)}, {"max", rounded(times.max)}};
+}
+
+template <typename Get>
+TimeSummary stage(const Run& run, Get&& get) {
+  std::vector<double> values;
+  for (const ScanRecord& record : run.scans) {
+    values.push_back(get(record));
+  }
+  return summary_of(std::move(values));
+}
+
+ordered_json states_of(const Run& run) {
+  std::map<std::string, std::map<std::string, std::uint64_t>> causes;
+  std::map<std::string, std::uint64_t> scans;
+  for (const ScanRecord& record : run.scans) {
+    const std::string state = name_of(record.odometry.state);
+    ++scans[state];
+    if (record.odometry.cause != odometry::Cause::kNone) {
+      ++causes[state][name_of(record.odometry.cause)];
+    }
+  }
+  ordered_json states = ordered_json::object();
+  for (const auto& [state, count] : scans) {
+    states[state] = {{"scans", count}, {"causes", causes[state]}};
+  }
+  return states;
+}
+
+}  // namespace
+
+ProductWriter::ProductWriter(const std::filesystem::path& directory, double map_spacing_m)
+    : odometry_(open(directory / "odometry.tum")),
+      trajectory_(open(directory / "trajectory.tum")),
+      map_(directory / "map.ply"),
+      sampler_(kMaxMapPoints) {
+  sampler_.reset(static_cast<float>(map_spacing_m));
+}
+
+void ProductWriter::add(const ScanRecord& record, const scan::DeskewedScan& scan) {
+  const odometry::OdometryResult& result = record.odometry;
+  recording::write_tum_line(odometry_.get(), result.stamp, result.T_odom_base);
+  // T_map_odom is identity until there are loops.
+  recording::write_tum_line(trajectory_.get(), result.stamp, result.T_odom_base);
+  if (!result.map_updated && result.scan_index != 0) {
+    return;
+  }
+  const Eigen::Matrix3f R = result.T_odom_imu.rotation().cast<float>();
+  const Eigen::Vector3f t = result.T_odom_imu.translation().cast<float>();
+  for (const Eigen::Vector3f& p_imu : scan.map_points_imu) {
+    const Eigen::Vector3f p_map = R * p_imu + t;
+    if (map_.points() < kMaxMapPoints && sampler_.admit(p_map)) {
+      map_.write(p_map);
+      if (picture_points_.size() < kMaxPicturePoints) {
+        picture_points_.push_back(p_map);
+      }
+    }
+  }
+}
+
+void ProductWriter::close() {
+  for (auto* stream : {&odometry_, &trajectory_}) {
+    if (std::fclose(stream->release()) != 0) {
+      throw std::runtime_error(std::string("a trajectory could not be written whole: ") + std::strerror(errno));
+    }
+  }
+  map_.close();
+}
+
+TimeSummary summary_of(std::vector<double> values) {
+  if (values.empty()) {
+    return {};
+  }
+  std::sort(values.begin(), values.end());
+  const auto at = [&](double share) {
+    return values[std::min(values.size() - 1, static_cast<std::size_t>(share * static_cast<double>(values.size())))];
+  };
+  return {at(0.5), at(0.95), at(0.99), values.back()};
+}
+
+evaluation::Trajectory trajectory_of(const Run& run) {
+  evaluation::Trajectory trajectory;
+  for (const ScanRecord& record : run.scans) {
+    trajectory.push_back({record.odometry.stamp, record.odometry.T_odom_base});
+  }
+  return trajectory;
+}
+
+double path_m(const Run& run) { return evaluation::path_length_m(trajectory_of(run)); }
+
+std::string report_json(const Recording& recording, const Run& run, const std::string& accuracy) {
+  std::uint64_t small = 0;
+  std::uint64_t recovery = 0;
+  std::uint64_t won = 0;
+  std::uint64_t unprocessed = run.scans_seen - run.scans.size() - run.scans_before_start;
+  for (const ScanRecord& record : run.scans) {
+    small += record.odometry.swarm.particles != 0 && !record.odometry.swarm.recovery ? 1 : 0;
+    recovery += record.odometry.swarm.recovery ? 1 : 0;
+    won += record.odometry.swarm.swarm_won ? 1 : 0;
+  }
+  ordered_json report;
+  report["recording"] = recording.name.string();
+  report["state"] = run.scans.empty() ? "STARTING" : name_of(run.scans.back().odometry.state);
+  report["scans"] = run.scans.size();
+  report["scans_dropped"] = unprocessed;
+  report["scans_before_start"] = run.scans_before_start;
+  report["path_m"] = std::round(1e3 * path_m(run)) / 1e3;
+  report["packets"] = json_of(run.packets);
+  report["blocks"] = json_of(run.blocks);
+  report["imu"] = json_of(run.imu);
+  report["clock"] = {{"steps", run.clock.steps}, {"roll_overs", run.clock.roll_overs}, {"skew_ppm", 1e6 * run.clock.skew},
+                     {"residual_mean_us", 1e-3 * static_cast<double>(run.clock.residual_mean.count())},
+                     {"residual_max_us", 1e-3 * static_cast<double>(run.clock.residual_max.count())}};
+  report["cpu_ms_per_scan"] = json_of(stage(run, [](const ScanRecord& r) { return r.decode_ms + r.times.preprocess_ms + r.times.odometry_ms; }));
+  report["stage_ms"] = {{"decode", json_of(stage(run, [](const ScanRecord& r) { return r.decode_ms; }))},
+                        {"preprocess", json_of(stage(run, [](const ScanRecord& r) { return r.times.preprocess_ms; }))},
+                        {"odometry", json_of(stage(run, [](const ScanRecord& r) { return r.times.odometry_ms; }))}};
+  report["rss_max_mb"] = std::round(10.0 * peak_rss_mb()) / 10.0;
+  report["realtime_factor"] = run.wall_s > 0.0 ? std::round(100.0 * run.recording_s / run.wall_s) / 100.0 : 0.0;
+  report["swarm"] = {{"small", small}, {"recovery", recovery}, {"won", won}};
+  report["loops"] = {{"candidates", 0}, {"verified", 0}, {"accepted", 0}, {"removed", 0}};
+  report["states"] = states_of(run);
+  if (run.alignment) {
+    report["start"] = {{"at_rest", run.alignment->at_rest}, {"tilt_std_deg", run.alignment->tilt_std_rad * 180.0 / M_PI}};
+  }
+  if (!accuracy.empty()) {
+    report["accuracy"] = ordered_json::parse(accuracy);
+  }
+  report["remarks"] = run.remarks;
+  return report.dump(2) + "\n";
+}
+
+}  // namespace slamd::replay

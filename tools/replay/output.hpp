@@ -1,0 +1,59 @@
+#pragma once
+
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/evaluation/trajectory.hpp"
+#include "core/scan/voxel_sampler.hpp"
+#include "drivers/storage/ply_writer.hpp"
+#include "tools/replay/replay.hpp"
+
+namespace slamd::replay {
+
+/// Writes a run's products while it goes on: odometry.tum, trajectory.tum and map.ply.
+///
+/// map.ply holds one point of each cube of the map's spacing, in the order in which they were seen.
+class ProductWriter {
+ public:
+  ProductWriter(const std::filesystem::path& directory, double map_spacing_m);
+
+  void add(const ScanRecord& record, const scan::DeskewedScan& scan);
+  void close();
+
+  /// A thinned copy of the map for pictures.
+  const std::vector<Eigen::Vector3f>& picture_points() const { return picture_points_; }
+
+ private:
+  static constexpr std::size_t kMaxMapPoints = 20'000'000;
+  static constexpr std::size_t kMaxPicturePoints = 2'000'000;
+
+  std::unique_ptr<std::FILE, int (*)(std::FILE*)> odometry_;
+  std::unique_ptr<std::FILE, int (*)(std::FILE*)> trajectory_;
+  storage::PlyWriter map_;
+  scan::VoxelSampler sampler_;
+  std::vector<Eigen::Vector3f> picture_points_;
+};
+
+/// Returns report.json for a run; `accuracy` is what evaluation found, as a JSON object, or empty.
+std::string report_json(const Recording& recording, const Run& run, const std::string& accuracy);
+
+/// Returns the poses of a run: T_odom_base.
+evaluation::Trajectory trajectory_of(const Run& run);
+
+/// Length of the path of a run.  Units: m.
+double path_m(const Run& run);
+
+/// Summarises a list of times.
+struct TimeSummary {
+  double median = 0.0;
+  double p95 = 0.0;
+  double p99 = 0.0;
+  double max = 0.0;
+};
+
+TimeSummary summary_of(std::vector<double> values);
+
+}  // namespace slamd::replay

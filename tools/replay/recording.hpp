@@ -1,0 +1,27 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "daemon/configuration/configuration.hpp"
+
+namespace slamd::replay {
+
+/// A recording, and what is to be done with it.
+struct Recording {
+  std::filesystem::path name;     // as the user wrote it
+  std::filesystem::path lidar;    // pcap file, or folder of clouds
+  std::filesystem::path imu_csv;  // empty: none, or built in
+  std::filesystem::path truth;    // empty: none
+  configuration::Configuration configuration;
+};
+
+/// Opens a recording: a directory with recording.toml, or a bare capture with configuration files.
+/// The recording's own table comes first, then `config_files`, then `overrides` ("key=value").
+/// Errors: ConfigurationError; RecordingError when something is missing.
+Recording open_recording(const std::filesystem::path& path,
+                         const std::vector<std::string>& config_files,
+                         const std::vector<std::string>& overrides);
+
+}  // namespace slamd::replay

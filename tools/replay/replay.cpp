@@ -1,0 +1,209 @@
+#include "tools/replay/replay.hpp"
+
+#include <chrono>
+#include <ctime>
+
+#include "drivers/recording/pcap_reader.hpp"
+
+namespace slamd::replay {
+
+using configuration::LidarModel;
+using recording::Packet;
+using sensor::ImuSample;
+using sensor::Scan;
+
+namespace {
+
+double thread_cpu_ms() {
+  std::timespec now{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return 1e3 * static_cast<double>(now.tv_sec) + 1e-6 * static_cast<double>(now.tv_nsec);
+}
+
+/// The inertial samples of a recording, one ahead.
+class ImuSource {
+ public:
+  explicit ImuSource(const std::filesystem::path& file) {
+    if (!file.empty()) {
+      reader_.emplace(file);
+      advance();
+    }
+  }
+
+  const std::optional<ImuSample>& next() const { return next_; }
+
+  void advance() {
+    ImuSample sample;
+    next_ = reader_ && reader_->next(sample) ? std::optional(sample) : std::nullopt;
+  }
+
+  stages::NamedCounts counts() const {
+    stages::NamedCounts counts;
+    if (reader_) {
+      counts.emplace_back("rows", reader_->counters().rows);
+      for (std::size_t i = 0; i < recording::kRowRefusals; ++i) {
+        const auto refused = reader_->counters().refused[i];
+        if (refused != 0) {
+          counts.emplace_back(std::string("refused_row_") + name_of(static_cast<recording::RowRefusal>(i)), refused);
+        }
+      }
+    }
+    return counts;
+  }
+
+ private:
+  std::optional<recording::ImuCsvReader> reader_;
+  std::optional<ImuSample> next_;
+};
+
+/// The run itself: a virtual clock, the front end, and at most one scan that waits for inertial samples.
+class Player {
+ public:
+  Player(const Recording& recording, const Sinks& sinks)
+      : sinks_(sinks), front_end_(resolved_odometry(recording.configuration)), imu_(recording.imu_csv),
+        waiting_(recording.configuration.odometry.preprocess.max_points) {}
+
+  /// Lets time pass: inertial samples up to `now` arrive, and a waiting scan goes when it can.
+  void advance_to(Stamp now) {
+    while (imu_.next() && imu_.next()->stamp <= now) {
+      add_imu(*imu_.next(), imu_.next()->stamp);
+      imu_.advance();
+    }
+    release(now);
+  }
+
+  void add_imu(const ImuSample& sample, Stamp now) {
+    front_end_.add_imu(sample);
+    release(now);
+  }
+
+  void add_scan(const Scan& scan, double decode_ms, Stamp now) {
+    if (is_waiting_) {
+      process(waiting_);
+    }
+    ++run_.scans_seen;
+    decode_ms_ = decode_ms;
+    if (front_end_.ready_for(scan, now)) {
+      process(scan);
+      return;
+    }
+    // Its inertial samples are still on their way; the assembler will want its memory back.
+    is_waiting_ = true;
+    waiting_.index = scan.index;
+    waiting_.begin = scan.begin;
+    waiting_.end = scan.end;
+    waiting_.points_have_time = scan.points_have_time;
+    waiting_.complete = scan.complete;
+    waiting_.points_dropped = scan.points_dropped;
+    waiting_.points.assign(scan.points.view());
+  }
+
+  Run finish() {
+    while (imu_.next() && is_waiting_ && imu_.next()->stamp <= waiting_.end + stages::FrontEnd::kImuPatience) {
+      advance_to(imu_.next()->stamp);
+    }
+    if (is_waiting_) {
+      process(waiting_);
+    }
+    run_.imu = imu_.counts();
+    const sensor::ImuBufferCounts& imu = front_end_.imu().counts();
+    run_.imu.emplace_back("accepted", imu.accepted);
+    for (std::size_t i = 0; i < sensor::kImuRefusals; ++i) {
+      if (imu.refused[i] != 0) {
+        run_.imu.emplace_back("refused_" + std::string(to_string(static_cast<sensor::ImuRefusal>(i))), imu.refused[i]);
+      }
+    }
+    run_.alignment = front_end_.alignment();
+    return std::move(run_);
+  }
+
+ private:
+  void release(Stamp now) {
+    if (is_waiting_ && front_end_.ready_for(waiting_, now)) {
+      process(waiting_);
+    }
+  }
+
+  void process(const Scan& scan) {
+    is_waiting_ = false;
+    const auto result = front_end_.process(scan);
+    if (!result) {
+      ++run_.scans_before_start;
+      return;
+    }
+    run_.scans.push_back({*result, front_end_.times(), decode_ms_});
+    if (sinks_.scan) {
+      sinks_.scan(run_.scans.back(), front_end_.deskewed());
+    }
+  }
+
+  const Sinks& sinks_;
+  stages::FrontEnd front_end_;
+  ImuSource imu_;
+  Scan waiting_;
+  bool is_waiting_ = false;
+  double decode_ms_ = 0.0;  // of the scan in hand
+  Run run_;
+};
+
+Run replay_packets(const Recording& recording, const Sinks& sinks) {
+  recording::PcapReader reader(recording.lidar);
+  stages::PacketStage packets(recording.configuration);
+  Player player(recording, sinks);
+  const double file_bytes = static_cast<double>(std::filesystem::file_size(recording.lidar)) + 1.0;
+  double read_bytes = 0.0;
+  double decode_ms = 0.0;
+  std::optional<Stamp> first;
+  Stamp now{};
+  Packet packet;
+  while (reader.next(packet)) {
+    first = first.value_or(packet.received);
+    now = std::max(now, packet.received);  // the clock does not run backwards for a reordered capture
+    player.advance_to(now);
+    const double begin_ms = thread_cpu_ms();
+    const stages::PacketOutcome outcome = packets.add(packet);
+    decode_ms += thread_cpu_ms() - begin_ms;
+    if (outcome.imu) {
+      player.add_imu(*outcome.imu, now);
+    }
+    if (outcome.scan != nullptr) {
+      player.add_scan(*outcome.scan, decode_ms, now);
+      decode_ms = 0.0;
+      if (sinks.progress) {
+        sinks.progress(read_bytes / file_bytes);
+      }
+    }
+    read_bytes += static_cast<double>(packet.payload.size() + 58);
+  }
+  if (const Scan* last = packets.flush(); last != nullptr) {
+    player.advance_to(last->end);
+    player.add_scan(*last, decode_ms, last->end);
+  }
+  Run run = player.finish();
+  run.packets = packets.packets();
+  for (std::size_t i = 1; i < recording::kFrameKinds; ++i) {
+    const auto kind = static_cast<recording::FrameKind>(i);
+    if (reader.counters().of(kind) != 0) {
+      run.packets.emplace_back(std::string("refused_") + name_of(kind), reader.counters().of(kind));
+    }
+  }
+  run.blocks = packets.blocks();
+  run.remarks = packets.remarks();
+  if (reader.counters().ended_in_a_record) {
+    run.remarks.emplace_back("the capture ends in the middle of a record");
+  }
+  run.clock = packets.clock();
+  run.recording_s = first ? to_seconds(now - *first) : 0.0;
+  return run;
+}
+
+}  // namespace
+
+Run replay(const Recording& recording, const Sinks& sinks) {
+  const auto begin = std::chrono::steady_clock::now();
+  Run run = replay_packets(recording, sinks);
+  run.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  return run;
+}
+
+}  // namespace slamd::replay

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/odometry/odometry.hpp"
+#include "daemon/stages/front_end.hpp"
+#include "daemon/stages/packet_stage.hpp"
+#include "drivers/recording/csv_reader.hpp"
+#include "tools/replay/recording.hpp"
+
+namespace slamd::replay {
+
+/// One scan of a run.
+struct ScanRecord {
+  odometry::OdometryResult odometry;
+  stages::StageTimes times;
+  double decode_ms = 0.0;  // CPU time of this scan's packets
+};
+
+/// What a run has seen and made.
+struct Run {
+  std::vector<ScanRecord> scans;
+  std::uint64_t scans_seen = 0;
+  std::uint64_t scans_before_start = 0;  // while the inertial sensor was being levelled
+  stages::NamedCounts packets;           // received and refused, by reason; the sum is what the capture holds
+  stages::NamedCounts blocks;
+  stages::NamedCounts imu;
+  std::vector<std::string> remarks;
+  sensor::ClockHealth clock;
+  std::optional<inertial::Alignment> alignment;
+  double wall_s = 0.0;
+  double recording_s = 0.0;
+};
+
+/// Where a run's products go while it goes on.
+struct Sinks {
+  std::function<void(const ScanRecord&, const scan::DeskewedScan&)> scan;
+  std::function<void(double share)> progress;  // of the recording, 0..1
+};
+
+/// Runs a recording through the stages of the daemon on a virtual clock, in one thread: the same recording gives the
+/// same bytes, whatever the load. Events come in the order of their arrival: packets by capture stamp, inertial
+/// samples by their own.
+/// Errors: RecordingError.
+Run replay(const Recording& recording, const Sinks& sinks);
+
+}  // namespace slamd::replay
