@@ -1,0 +1,44 @@
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "core/geometry/se3.hpp"
+
+namespace slamd::simulate {
+
+/// How a body moves at one moment.
+/// Frames: pose, velocity and acceleration of base in world; rate in base.  Units: m, s, rad.
+struct MotionState {
+  geometry::Se3 T_world_base;
+  Eigen::Vector3d velocity_mps;
+  Eigen::Vector3d acceleration_mps2;
+  Eigen::Vector3d rate_base_radps;
+};
+
+/// A motion with continuous jerk: a uniform quintic B-spline over x, y, z, yaw, pitch and roll, so that positions,
+/// velocities, accelerations and turn rates are exact derivatives of one another.
+class Motion {
+ public:
+  using Channels = std::array<double, 6>;  // x, y, z, yaw, pitch, roll
+
+  /// Control points, one each `knot_s` seconds; the first and the last should stand still.
+  Motion(std::vector<Channels> control_points, double knot_s);
+
+  /// Valid from 0 to duration_s.
+  MotionState at(double t_s) const;
+
+  /// The pose alone, for ray casting.
+  geometry::Se3 pose_at(double t_s) const;
+
+  double duration_s() const { return duration_s_; }
+
+ private:
+  void evaluate(double t_s, int derivatives, Channels (&out)[3]) const;
+
+  std::vector<Channels> points_;
+  double knot_s_;
+  double duration_s_;
+};
+
+}  // namespace slamd::simulate
