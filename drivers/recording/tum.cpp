@@ -8,6 +8,8 @@
 #include <string>
 #include <string_view>
 
+#include "drivers/recording/seconds.hpp"
+
 namespace slamd::recording {
 
 namespace {
@@ -31,31 +33,6 @@ std::optional<double> to_double(std::string_view word) {
   const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
   const bool whole = error == std::errc() && end == word.data() + word.size();
   return whole && std::isfinite(value) ? std::optional(value) : std::nullopt;
-}
-
-/// Seconds to nanoseconds, digit by digit where the number is written plainly.
-std::optional<Stamp> to_stamp(std::string_view word) {
-  if (word.find_first_of("eE") != std::string_view::npos) {
-    const auto seconds = to_double(word);
-    return seconds ? std::optional(Stamp{} + from_seconds(*seconds)) : std::nullopt;
-  }
-  const std::size_t dot = std::min(word.find('.'), word.size());
-  const std::string_view whole = word.substr(0, dot);
-  std::int64_t seconds = 0;
-  const auto [end, error] = std::from_chars(whole.data(), whole.data() + whole.size(), seconds);
-  if (error != std::errc() || end != whole.data() + whole.size()) {
-    return std::nullopt;
-  }
-  std::int64_t fraction = 0;
-  std::int64_t unit = 100'000'000;
-  for (std::size_t i = dot + 1; i < word.size(); ++i, unit /= 10) {
-    if (word[i] < '0' || word[i] > '9') {
-      return std::nullopt;
-    }
-    fraction += unit * (word[i] - '0');
-  }
-  const bool negative = !whole.empty() && whole.front() == '-';
-  return Stamp{} + std::chrono::seconds(seconds) + Duration(negative ? -fraction : fraction);
 }
 
 std::string at_line(std::size_t number, const char* what) { return "line " + std::to_string(number) + ": " + what; }
@@ -94,7 +71,7 @@ std::array<double, kCount> numbers_of(const std::filesystem::path& file, std::si
 std::vector<StampedPose> read_tum(const std::filesystem::path& file) {
   std::vector<StampedPose> poses;
   for_each_row(file, [&](std::size_t number, std::string_view text) {
-    const auto stamp = to_stamp(next_word(text));
+    const auto stamp = parse_seconds(next_word(text));
     if (!stamp) {
       throw RecordingError(file, at_line(number, "does not begin with a time in seconds"));
     }
@@ -111,7 +88,7 @@ std::vector<StampedPose> read_tum(const std::filesystem::path& file) {
 std::vector<StampedPose> read_kitti(const std::filesystem::path& file, const std::filesystem::path& times) {
   std::vector<Stamp> stamps;
   for_each_row(times, [&](std::size_t number, std::string_view text) {
-    const auto stamp = to_stamp(next_word(text));
+    const auto stamp = parse_seconds(next_word(text));
     if (!stamp) {
       throw RecordingError(times, at_line(number, "is not a time in seconds"));
     }
