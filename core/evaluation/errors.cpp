@@ -202,11 +202,14 @@ std::vector<double> tilt_rad(std::span<const PosePair> pairs) {
   return errors;
 }
 
-double end_drift_m(std::span<const PosePair> pairs) {
+double end_drift_m(std::span<const PosePair> pairs, const Similarity& similarity) {
   if (pairs.empty()) {
     return 0.0;
   }
-  return relative_error(pairs.front(), pairs.back()).translation().norm();
+  const auto error = [&](const PosePair& pair) {
+    return Eigen::Vector3d(similarity.apply(pair.estimate).translation() - pair.reference.translation());
+  };
+  return (error(pairs.back()) - error(pairs.front())).norm();
 }
 
 }  // namespace slamd::evaluation

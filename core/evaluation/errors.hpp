@@ -70,7 +70,8 @@ KittiErrors kitti_segments(std::span<const PosePair> pairs);
 /// Returns the angle between the estimated and the true vertical of each pair, after alignment by yaw. Units: rad.
 std::vector<double> tilt_rad(std::span<const PosePair> pairs);
 
-/// Returns how far the last pose is off when the first one is laid on its reference. Units: m.
-double end_drift_m(std::span<const PosePair> pairs);
+/// Returns by how much the displacement from the first to the last position is wrong, after alignment. On a closed tour
+/// this is the error of closing it; the attitude of the first pose has no part in it. Units: m.
+double end_drift_m(std::span<const PosePair> pairs, const Similarity& similarity);
 
 }  // namespace slamd::evaluation

@@ -43,7 +43,7 @@ int main(int argc, char** argv) {
       auto pairs = evaluation::associate_interpolated(ref, replay::trajectory_of(run), std::chrono::seconds(1));
       auto ape = evaluation::statistics_of(evaluation::ape_translation_m(pairs, evaluation::align(pairs, evaluation::Alignment::kSe3)));
       auto yaw = evaluation::statistics_of(evaluation::ape_translation_m(pairs, evaluation::align(pairs, evaluation::Alignment::kYaw)));
-      double drift = evaluation::end_drift_m(pairs);
+      double drift = evaluation::end_drift_m(pairs, evaluation::align(pairs, evaluation::Alignment::kSe3));
       char b[200];
       snprintf(b, 200, "{\"ape\":%.4f,\"yaw_ape\":%.4f,\"end\":%.4f,\"end_pct\":%.4f}", ape.rmse, yaw.rmse, drift, 100 * drift / replay::path_m(run));
       acc = b;

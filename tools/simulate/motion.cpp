@@ -9,22 +9,20 @@ namespace slamd::simulate {
 
 namespace {
 
-/// The six quintic B-spline weights at u in [0, 1), or their derivative of the given order (0..2).
-/// Built from the truncated powers Σ (−1)^j C(6, j) (x − j)₊⁵ / 120.
+/// Coefficients of the quintic B-spline pieces: weight i at u in [0, 1) is Σ kPieces[i][k] uᵏ / 120.
+constexpr double kPieces[6][6] = {{1, -5, 10, -10, 5, -1},      {26, -50, 20, 20, -20, 5}, {66, 0, -60, 0, 30, -10},
+                                  {26, 50, 20, -20, -20, 10},   {1, 5, 10, 10, 5, -5},     {0, 0, 0, 0, 0, 1}};
+
+/// The six weights at u in [0, 1), or their derivative of the given order (0..2).
 std::array<double, 6> weights(double u, int order) {
-  constexpr double kBinomial[7] = {1, 6, 15, 20, 15, 6, 1};
-  constexpr double kFactor[3] = {1.0 / 120.0, 5.0 / 120.0, 20.0 / 120.0};
   std::array<double, 6> w{};
-  for (int i = 0; i < 6; ++i) {
-    const double x = u + 5 - i;  // of control point i
-    for (int j = 0; j <= 6 && x > j; ++j) {
-      double power = 1.0;
-      for (int k = 0; k < 5 - order; ++k) {
-        power *= x - j;
-      }
-      w[static_cast<std::size_t>(i)] += (j % 2 == 0 ? 1.0 : -1.0) * kBinomial[j] * power;
+  for (std::size_t i = 0; i < 6; ++i) {
+    double sum = 0.0;
+    for (int k = 5; k >= order; --k) {  // Horner
+      const double factor = order == 0 ? 1.0 : (order == 1 ? k : k * (k - 1));
+      sum = sum * u + factor * kPieces[i][k];
     }
-    w[static_cast<std::size_t>(i)] *= kFactor[order];
+    w[i] = sum / 120.0;
   }
   return w;
 }

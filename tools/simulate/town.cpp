@@ -5,6 +5,23 @@
 
 namespace slamd::simulate {
 
+Road::Road(const Noise& noise) {
+  for (std::uint64_t i = 0; i < waves_.size(); ++i) {
+    const double length = noise.uniform(900 + i, 35.0, 120.0);
+    const double heading = noise.uniform(910 + i, 0.0, 2.0 * M_PI);
+    waves_[i] = {0.0016 * length, 2.0 * M_PI * std::cos(heading) / length, 2.0 * M_PI * std::sin(heading) / length,
+                 noise.uniform(920 + i, 0.0, 2.0 * M_PI)};
+  }
+}
+
+double Road::height(double x, double y) const {
+  double z = 0.0;
+  for (const Wave& wave : waves_) {
+    z += wave.amplitude * std::sin(wave.kx * x + wave.ky * y + wave.phase);
+  }
+  return z;
+}
+
 namespace {
 
 constexpr double kPitch_m = 52.0;       // between streets
@@ -31,22 +48,10 @@ double distance_to_nearest(const std::vector<double>& lines, double v) {
   return best;
 }
 
-/// The road surface: long waves of a few decimetres, slopes of up to about 3 %.
-double road_height(const Noise& noise, double x, double y) {
-  double z = 0.0;
-  for (std::uint64_t i = 0; i < 5; ++i) {
-    const double length = noise.uniform(900 + i, 35.0, 120.0);
-    const double heading = noise.uniform(910 + i, 0.0, 2.0 * M_PI);
-    const double phase = noise.uniform(920 + i, 0.0, 2.0 * M_PI);
-    z += 0.0016 * length * std::sin(2.0 * M_PI * (x * std::cos(heading) + y * std::sin(heading)) / length + phase);
-  }
-  return z;
-}
-
 /// Road, kerb and sidewalk.
-double ground_height(const Noise& noise, const std::vector<double>& xs, const std::vector<double>& ys, double x, double y) {
-  const bool road = distance_to_nearest(xs, x) < kHalfRoad_m || distance_to_nearest(ys, y) < kHalfRoad_m;
-  return road_height(noise, x, y) + (road ? 0.0 : kKerb_m);
+double ground_height(const Road& road, const std::vector<double>& xs, const std::vector<double>& ys, double x, double y) {
+  const bool on_road = distance_to_nearest(xs, x) < kHalfRoad_m || distance_to_nearest(ys, y) < kHalfRoad_m;
+  return road.height(x, y) + (on_road ? 0.0 : kKerb_m);
 }
 
 /// Smooths a line of points by repeated three-point means; the ends stay.
@@ -67,7 +72,8 @@ Town::Town(std::uint64_t seed)
       noise_(seed, 1),
       streets_x_(street_lines(noise_, 10)),
       streets_y_(street_lines(noise_, 20)),
-      world_([noise = noise_, xs = streets_x_, ys = streets_y_](double x, double y) { return ground_height(noise, xs, ys, x, y); },
+      road_(noise_),
+      world_([road = road_, xs = streets_x_, ys = streets_y_](double x, double y) { return ground_height(road, xs, ys, x, y); },
              {2.0 * kMargin_m + kPitch_m * (kStreets - 1), 2.0 * kMargin_m + kPitch_m * (kStreets - 1)}, seed) {
   for (int column = -1; column < kStreets; ++column) {
     for (int row = -1; row < kStreets; ++row) {
@@ -232,7 +238,7 @@ Motion Town::tour(double duration_s, double speed_mps, double rest_s, double hei
     const Eigen::Vector2d p = line[i] + share * (line[i + 1] - line[i]);
     yaw += std::remainder(heading_at(s) - yaw, 2.0 * M_PI) * (speed > 0.02 ? std::min(1.0, 3.0 * kKnot_s * (speed + 0.5)) : 0.0);
     const auto road = [&](double ahead, double left) {
-      return road_height(noise_, p.x() + ahead * std::cos(yaw) - left * std::sin(yaw), p.y() + ahead * std::sin(yaw) + left * std::cos(yaw));
+      return road_.height(p.x() + ahead * std::cos(yaw) - left * std::sin(yaw), p.y() + ahead * std::sin(yaw) + left * std::cos(yaw));
     };
     // Suspension: the body follows the slope with a lag; the road shakes it a little while it moves.
     const double shake = std::min(1.0, speed);

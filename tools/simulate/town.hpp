@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -7,6 +8,23 @@
 #include "tools/simulate/world.hpp"
 
 namespace slamd::simulate {
+
+/// The road surface: long waves of a few decimetres, slopes of up to about 3 %.
+class Road {
+ public:
+  explicit Road(const Noise& noise);
+
+  double height(double x, double y) const;
+
+ private:
+  struct Wave {
+    double amplitude;
+    double kx;
+    double ky;
+    double phase;
+  };
+  std::array<Wave, 5> waves_{};
+};
 
 /// A town of streets on a jittered grid: façades with depth, kerbs, parked cars, poles, porous trees, fences, uneven
 /// ground. Everything follows from the seed.
@@ -32,6 +50,7 @@ class Town {
   Noise noise_;
   std::vector<double> streets_x_;  // centre lines of the streets that run along y
   std::vector<double> streets_y_;
+  Road road_;
   World world_;
 };
 

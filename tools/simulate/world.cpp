@@ -19,6 +19,7 @@ World::World(std::function<double(double, double)> ground, Eigen::Vector2d exten
 
 void World::add(const OrientedBox& box) {
   boxes_.push_back(box);
+  turns_.push_back({std::cos(box.yaw_rad), std::sin(box.yaw_rad), box.half.head<2>().squaredNorm()});
   highest_m_ = std::max(highest_m_, box.centre.z() + box.half.z());
 }
 
@@ -44,14 +45,25 @@ void World::insert(Kind kind, std::uint32_t index, double x, double y, double ra
 void World::build() {
   columns_ = static_cast<int>(std::ceil(extent_m_.x() / kCell_m));
   rows_ = static_cast<int>(std::ceil(extent_m_.y() / kCell_m));
-  highest_ground_m_ = -kNever;
-  for (double y = 0.0; y <= extent_m_.y(); y += 0.5) {
-    for (double x = 0.0; x <= extent_m_.x(); x += 0.5) {
-      highest_ground_m_ = std::max(highest_ground_m_, ground_(x, y));
+  // The ground is smooth but for kerbs: samples of half a metre, and a margin for what lies between.
+  constexpr double kSample_m = 0.5;
+  constexpr double kMargin_m = 0.05;
+  cell_top_m_.assign(static_cast<std::size_t>(columns_ * rows_), -kNever);
+  for (double y = 0.0; y <= rows_ * kCell_m; y += kSample_m) {
+    for (double x = 0.0; x <= columns_ * kCell_m; x += kSample_m) {
+      const double top = ground_(x, y) + kMargin_m;
+      highest_m_ = std::max(highest_m_, top);
+      // A sample on a border counts for both sides.
+      for (const double dx : {-1e-6, 1e-6}) {
+        for (const double dy : {-1e-6, 1e-6}) {
+          const int column = std::clamp(static_cast<int>(std::floor((x + dx) / kCell_m)), 0, columns_ - 1);
+          const int row = std::clamp(static_cast<int>(std::floor((y + dy) / kCell_m)), 0, rows_ - 1);
+          double& cell_top = cell_top_m_[static_cast<std::size_t>(row * columns_ + column)];
+          cell_top = std::max(cell_top, top);
+        }
+      }
     }
   }
-  highest_ground_m_ += 0.05;
-  highest_m_ = std::max(highest_m_, highest_ground_m_);
   cells_.assign(static_cast<std::size_t>(columns_ * rows_), {});
   for (std::uint32_t i = 0; i < boxes_.size(); ++i) {
     const OrientedBox& box = boxes_[i];
@@ -70,16 +82,20 @@ void World::build() {
 
 void World::try_item(const Item& item, const Ray& ray, Hit& best) const {
   switch (item.kind) {
-    case Kind::kBox: try_box(boxes_[item.index], ray, best); break;
+    case Kind::kBox: try_box(boxes_[item.index], turns_[item.index], ray, best); break;
     case Kind::kCylinder: try_cylinder(cylinders_[item.index], ray, best); break;
     case Kind::kCrown: try_crown(crowns_[item.index], item.index, ray, best); break;
   }
 }
 
-void World::try_box(const OrientedBox& box, const Ray& ray, Hit& best) const {
-  const double c = std::cos(box.yaw_rad);
-  const double s = std::sin(box.yaw_rad);
+void World::try_box(const OrientedBox& box, const Turn& turn, const Ray& ray, Hit& best) const {
+  const double c = turn.cosine;
+  const double s = turn.sine;
   const Eigen::Vector3d offset = ray.origin - box.centre;
+  const double miss = offset.x() * ray.direction.y() - offset.y() * ray.direction.x();
+  if (miss * miss > turn.radius_sq) {
+    return;  // the ray passes the circle around the box (its direction is at most 1 long in the plan)
+  }
   const double origin[3] = {c * offset.x() + s * offset.y(), -s * offset.x() + c * offset.y(), offset.z()};
   const double direction[3] = {c * ray.direction.x() + s * ray.direction.y(),
                                -s * ray.direction.x() + c * ray.direction.y(), ray.direction.z()};
@@ -159,11 +175,27 @@ void World::try_ground(const Ray& ray, double from, double to, Hit& best) const 
     const double high = std::min(low + kGroundStep_m, to);
     const double next = above(high);
     if (height >= 0.0 && next < 0.0) {
+      // Regula falsi with halving (Illinois): a few steps on smooth ground, and safe at a kerb.
       double a = low;
       double b = high;
-      for (int i = 0; i < 30 && b - a > 1e-6; ++i) {
-        const double middle = 0.5 * (a + b);
-        (above(middle) >= 0.0 ? a : b) = middle;
+      double f_a = height;
+      double f_b = next;
+      for (int i = 0; i < 60 && b - a > 1e-6 && f_b < -1e-7; ++i) {
+        const double middle = i % 8 == 7 ? 0.5 * (a + b) : a + (b - a) * f_a / (f_a - f_b);
+        const double f = above(middle);
+        if (f >= 0.0) {
+          a = middle;
+          f_a = f;
+          f_b *= 0.5;
+        } else {
+          b = middle;
+          f_b = f;
+          f_a *= 0.5;
+        }
+        if (f >= 0.0 && f < 1e-7) {
+          b = middle;
+          break;
+        }
       }
       if (b < best.range_m) {
         const Eigen::Vector3d p = ray.origin + b * ray.direction;
@@ -202,9 +234,8 @@ bool World::cast(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction
     for (const Item& item : cells_[static_cast<std::size_t>(row * columns_ + column)]) {
       try_item(item, ray, hit);
     }
-    // A ray above the highest ground needs no test.
     const double lowest = std::min(origin.z() + from * direction.z(), origin.z() + to * direction.z());
-    if (lowest < highest_ground_m_) {
+    if (lowest < cell_top_m_[static_cast<std::size_t>(row * columns_ + column)]) {
       try_ground(ray, from, std::min(to, hit.range_m), hit);
     }
     if (hit.range_m <= to || (direction.z() > 0.0 && origin.z() + to * direction.z() > highest_m_)) {

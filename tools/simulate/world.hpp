@@ -81,6 +81,11 @@ class World {
     Kind kind;
     std::uint32_t index;
   };
+  struct Turn {
+    double cosine;
+    double sine;
+    double radius_sq;  // in the plan, of the circle around the box
+  };
   struct Ray {
     Eigen::Vector3d origin;
     Eigen::Vector3d direction;
@@ -89,7 +94,7 @@ class World {
 
   void insert(Kind kind, std::uint32_t index, double x, double y, double radius);
   void try_item(const Item& item, const Ray& ray, Hit& best) const;
-  void try_box(const OrientedBox& box, const Ray& ray, Hit& best) const;
+  void try_box(const OrientedBox& box, const Turn& turn, const Ray& ray, Hit& best) const;
   void try_cylinder(const Cylinder& cylinder, const Ray& ray, Hit& best) const;
   void try_crown(const Crown& crown, std::uint32_t index, const Ray& ray, Hit& best) const;
   void try_ground(const Ray& ray, double from, double to, Hit& best) const;
@@ -97,14 +102,15 @@ class World {
   std::function<double(double, double)> ground_;
   Eigen::Vector2d extent_m_;
   Noise leaves_;
-  double highest_m_ = 0.0;          // of anything
-  double highest_ground_m_ = 0.0;
+  double highest_m_ = 0.0;  // of anything
   std::vector<OrientedBox> boxes_;
+  std::vector<Turn> turns_;  // of each box
   std::vector<Cylinder> cylinders_;
   std::vector<Crown> crowns_;
   int columns_ = 0;
   int rows_ = 0;
   std::vector<std::vector<Item>> cells_;
+  std::vector<double> cell_top_m_;  // highest ground in each cell
 };
 
 }  // namespace slamd::simulate
