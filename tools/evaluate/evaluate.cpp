@@ -2,13 +2,11 @@
 
 #include <cmath>
 #include <cstdio>
-#include <fstream>
 #include <stdexcept>
 
 #include <nlohmann/json.hpp>
 
 #include "drivers/recording/tum.hpp"
-#include "tools/plot/svg.hpp"
 
 namespace slamd::evaluate {
 
@@ -91,25 +89,6 @@ std::string table_of(const Measures& m, const Options& options) {
   return text + line;
 }
 
-void write_plot(const Options& options, const std::vector<PosePair>& pairs) {
-  const Similarity similarity = evaluation::align(pairs, Alignment::kYaw);
-  plot::Series reference{"reference", {}};
-  plot::Series estimate{"estimate", {}};
-  plot::Series error{"error", {}};
-  for (const PosePair& pair : pairs) {
-    const Eigen::Vector3d p = similarity.apply(pair.estimate).translation();
-    reference.points.push_back({pair.reference.translation().x(), pair.reference.translation().y()});
-    estimate.points.push_back({p.x(), p.y()});
-    error.points.push_back({to_seconds(pair.stamp - pairs.front().stamp), (p - pair.reference.translation()).norm()});
-  }
-  std::ofstream stream(options.plot);
-  stream << plot::stacked({plot::line_chart({"Paths, yaw-aligned", "x, m", "y, m", true}, {reference, estimate}),
-                           plot::line_chart({"Position error, yaw-aligned", "time, s", "error, m", false}, {error})});
-  if (!stream.flush()) {
-    throw std::runtime_error(options.plot + ": cannot be written");
-  }
-}
-
 }  // namespace
 
 Measures measure(const std::vector<PosePair>& pairs, const Options& options) {
@@ -165,9 +144,6 @@ std::string evaluate(const Options& options) {
   const std::vector<PosePair> pairs =
       associate(resolved, read(options.reference, options.times), read(options.estimate, options.times));
   const Measures measures = measure(pairs, resolved);
-  if (!options.plot.empty()) {
-    write_plot(options, pairs);
-  }
   return options.json ? json_of(measures) : table_of(measures, options);
 }
 

@@ -10,7 +10,6 @@ struct Options {
   std::string reference;
   std::string estimate;
   std::string times;  // of KITTI rows; empty: TUM
-  std::string plot;   // SVG file; empty: none
   std::string unit = "m";
   evaluation::PairRule rule{.delta = 10.0, .unit = evaluation::DeltaUnit::kMetres};
   double max_gap_s = 1.0;

@@ -22,7 +22,6 @@ void declare(CLI::App& app, evaluate::Options& options) {
   app.add_option("--rpe-unit", options.unit, "Its unit")->check(CLI::IsMember({"frames", "m", "deg"}))->capture_default_str();
   app.add_flag("--all-pairs", options.rule.all_pairs, "RPE over all pairs, not consecutive ones");
   app.add_flag("--pairs-from-reference", options.rule.from_reference, "Choose RPE's pairs along the reference");
-  app.add_option("--plot", options.plot, "Write the paths and the error over time as SVG");
 }
 
 }  // namespace

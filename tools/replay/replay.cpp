@@ -3,6 +3,7 @@
 #include <chrono>
 #include <ctime>
 
+#include "drivers/clouds/point_folder.hpp"
 #include "drivers/recording/pcap_reader.hpp"
 
 namespace slamd::replay {
@@ -197,11 +198,45 @@ Run replay_packets(const Recording& recording, const Sinks& sinks) {
   return run;
 }
 
+Run replay_points(const Recording& recording, const Sinks& sinks) {
+  const auto& lidar = recording.configuration.lidar;
+  clouds::PointFolderReader reader(recording.lidar, {lidar.scans_per_second, lidar.points_have_time});
+  Player player(recording, sinks);
+  Scan scan(recording.configuration.odometry.preprocess.max_points);
+  std::optional<Stamp> first;
+  Stamp now{};
+  double begin_ms = thread_cpu_ms();
+  while (reader.next(scan)) {
+    first = first.value_or(scan.begin);
+    now = std::max(now, scan.end);
+    player.advance_to(now);
+    player.add_scan(scan, thread_cpu_ms() - begin_ms, now);
+    if (sinks.progress) {
+      sinks.progress(static_cast<double>(reader.files_read()) / static_cast<double>(reader.files()));
+    }
+    begin_ms = thread_cpu_ms();
+  }
+  Run run = player.finish();
+  run.packets.emplace_back("clouds", reader.counters().scans);
+  for (std::size_t i = 0; i < clouds::kCloudRefusals; ++i) {
+    const auto refused = reader.counters().refused[i];
+    if (refused != 0) {
+      run.packets.emplace_back("refused_" + std::string(clouds::name_of(static_cast<clouds::CloudRefusal>(i))), refused);
+    }
+  }
+  if (!reader.counters().first_refused.empty()) {
+    run.remarks.push_back("first refused cloud: " + reader.counters().first_refused);
+  }
+  run.recording_s = first ? to_seconds(now - *first) : 0.0;
+  return run;
+}
+
 }  // namespace
 
 Run replay(const Recording& recording, const Sinks& sinks) {
   const auto begin = std::chrono::steady_clock::now();
-  Run run = replay_packets(recording, sinks);
+  Run run = recording.configuration.lidar.model == LidarModel::kPoints ? replay_points(recording, sinks)
+                                                                        : replay_packets(recording, sinks);
   run.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   return run;
 }
