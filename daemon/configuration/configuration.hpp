@@ -3,6 +3,7 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 #include "core/geometry/se3.hpp"
 #include "core/odometry/odometry_config.hpp"
@@ -10,9 +11,18 @@
 namespace slamd::configuration {
 
 /// Bad configuration: one line with file, line, key, value and what is allowed. Programs print it and exit with 2.
+/// A value or a key that holds a line break is shown with a space in its place.
 class ConfigurationError : public std::runtime_error {
  public:
-  using std::runtime_error::runtime_error;
+  explicit ConfigurationError(std::string message) : std::runtime_error(on_one_line(std::move(message))) {}
+
+ private:
+  static std::string on_one_line(std::string message) {
+    for (char& c : message) {
+      c = c == '\n' || c == '\r' ? ' ' : c;
+    }
+    return message;
+  }
 };
 
 /// The LiDAR models of this release.
