@@ -9,8 +9,8 @@
 add_library(slamd_flags INTERFACE)
 target_compile_options(slamd_flags INTERFACE
   -Wall -Wextra -Wpedantic -Wshadow -Wold-style-cast -Wnon-virtual-dtor -Woverloaded-virtual -Wundef
-  -Wno-restrict  # g++ 12 sees overlaps in std::string sums that cannot be
-  -Wno-maybe-uninitialized  # g++ 12 sees it in every Eigen matrix that is filled after its declaration
+  $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>  # g++ 12 sees overlaps in std::string sums that cannot be
+  $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>  # g++ 12 sees it in every Eigen matrix that is filled after its declaration
   -ffp-contract=off  # the same sums on every machine, with FMA or without
   $<$<BOOL:${SLAMD_WARNINGS_AS_ERRORS}>:-Werror>)
 
@@ -106,4 +106,23 @@ function(slamd_test folder)
   _slamd_link(${name} PRIVATE "gtest_main;${arg_DEPS}")
   add_test(NAME ${folder} COMMAND ${name})
   set_tests_properties(${folder} PROPERTIES LABELS "${arg_LABELS}")
+endfunction()
+
+# slamd_fuzzer(NAME SOURCES s... [DEPS d...]): a libFuzzer program in <build>/fuzz, built by the target "fuzzers".
+function(slamd_fuzzer name)
+  cmake_parse_arguments(arg "" "" "SOURCES;DEPS" ${ARGN})
+  if(arg_UNPARSED_ARGUMENTS)
+    message(FATAL_ERROR "slamd_fuzzer(${name}): unexpected ${arg_UNPARSED_ARGUMENTS}")
+  endif()
+  set(program fuzz_${name})
+  list(TRANSFORM arg_SOURCES PREPEND ${PROJECT_SOURCE_DIR}/tests/fuzz/)
+  add_executable(${program} ${arg_SOURCES})
+  set_target_properties(${program} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/fuzz)
+  target_link_libraries(${program} PRIVATE slamd_flags)
+  target_link_options(${program} PRIVATE -fsanitize=fuzzer)
+  _slamd_link(${program} PRIVATE "${arg_DEPS}")
+  if(NOT TARGET fuzzers)
+    add_custom_target(fuzzers)
+  endif()
+  add_dependencies(fuzzers ${program})
 endfunction()
