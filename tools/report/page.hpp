@@ -1,0 +1,29 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace slamd::report {
+
+/// A table of a page; the first column is flush left, the others flush right.
+struct HtmlTable {
+  std::vector<std::string> header;
+  std::vector<std::vector<std::string>> rows;
+};
+
+/// Returns the table as HTML; its texts are escaped here.
+std::string html_of(const HtmlTable& table);
+
+/// Returns a picture with a caption below it. `wide` gives it a whole row.
+std::string figure(const std::string& svg, const std::string& caption, bool wide = false);
+
+/// Returns a section with a heading.
+std::string section(const std::string& heading, const std::string& body);
+
+/// Returns the whole document: style sheet included, nothing fetched from elsewhere.
+std::string page(const std::string& title, const std::string& body);
+
+/// Writes a number with so many digits after the point.
+std::string number(double value, int digits);
+
+}  // namespace slamd::report
