@@ -40,13 +40,15 @@ std::vector<IndexPair> chained(const std::vector<std::size_t>& ids) {
 }
 
 std::vector<IndexPair> by_metres(std::span<const PosePair> pairs, const PairRule& rule) {
-  const std::vector<double> path = cumulative_path_m(pairs, rule.from_reference);
   if (!rule.all_pairs) {
     // Index 0 is not pushed: the first pair begins where the first delta is complete (a quirk that is kept).
     std::vector<std::size_t> ids;
     double since = 0.0;
     for (std::size_t i = 1; i < pairs.size(); ++i) {
-      since += path[i] - path[i - 1];
+      // Not the difference of summed paths: its rounding would miss steps of exactly delta.
+      since += (pose_of(pairs[i], rule.from_reference).translation() -
+                pose_of(pairs[i - 1], rule.from_reference).translation())
+                   .norm();
       if (since >= rule.delta) {
         ids.push_back(i);
         since = 0.0;
@@ -54,6 +56,7 @@ std::vector<IndexPair> by_metres(std::span<const PosePair> pairs, const PairRule
     }
     return chained(ids);
   }
+  const std::vector<double> path = cumulative_path_m(pairs, rule.from_reference);
   std::vector<IndexPair> indices;
   const double tolerance = rule.delta * rule.relative_tolerance;
   for (std::size_t i = 0; i + 1 < pairs.size(); ++i) {
@@ -145,6 +148,15 @@ std::vector<double> ape_rotation_rad(std::span<const PosePair> pairs, const Simi
   return errors;
 }
 
+std::vector<double> ape_full(std::span<const PosePair> pairs, const Similarity& similarity) {
+  std::vector<double> errors;
+  for (const PosePair& pair : pairs) {
+    const Se3 E = pair.reference.inverse() * similarity.apply(pair.estimate);
+    errors.push_back(std::hypot((E.rotation() - Eigen::Matrix3d::Identity()).norm(), E.translation().norm()));
+  }
+  return errors;
+}
+
 std::vector<IndexPair> select_pairs(std::span<const PosePair> pairs, const PairRule& rule) {
   switch (rule.unit) {
     case DeltaUnit::kFrames: return by_frames(pairs.size(), static_cast<std::size_t>(rule.delta), rule.all_pairs);
@@ -160,6 +172,18 @@ RelativeErrors rpe(std::span<const PosePair> pairs, std::span<const IndexPair> i
     const Se3 E = relative_error(pairs[index.first], pairs[index.second]);
     errors.translation_m.push_back(E.translation().norm());
     errors.rotation_rad.push_back(geometry::angle_between(Eigen::Matrix3d::Identity(), E.rotation()));
+  }
+  return errors;
+}
+
+std::vector<double> rpe_distance_m(std::span<const PosePair> pairs, std::span<const IndexPair> indices) {
+  std::vector<double> errors;
+  for (const IndexPair& index : indices) {
+    const PosePair& a = pairs[index.first];
+    const PosePair& b = pairs[index.second];
+    const double reference = (b.reference.translation() - a.reference.translation()).norm();
+    const double estimate = (b.estimate.translation() - a.estimate.translation()).norm();
+    errors.push_back(std::abs(reference - estimate));
   }
   return errors;
 }

@@ -28,6 +28,10 @@ std::vector<double> ape_translation_m(std::span<const PosePair> pairs, const Sim
 /// Returns the angle of R_referenceᵀ R_estimate of each pair after alignment. Units: rad.
 std::vector<double> ape_rotation_rad(std::span<const PosePair> pairs, const Similarity& similarity);
 
+/// Returns ‖T_reference⁻¹ T_estimate − I‖ (Frobenius) of each pair after alignment: metres and radians in one, as evo's
+/// relation "full".
+std::vector<double> ape_full(std::span<const PosePair> pairs, const Similarity& similarity);
+
 /// The unit in which RPE's pairs are apart.
 enum class DeltaUnit { kFrames, kMetres, kRadians };
 
@@ -55,6 +59,10 @@ struct RelativeErrors {
 };
 
 RelativeErrors rpe(std::span<const PosePair> pairs, std::span<const IndexPair> indices);
+
+/// Returns | ‖q_i − q_j‖ − ‖p_i − p_j‖ | of each pair: by how much a distance is wrong, whatever the attitude.
+/// Units: m.
+std::vector<double> rpe_distance_m(std::span<const PosePair> pairs, std::span<const IndexPair> indices);
 
 /// Mean relative errors over the segments of 100..800 m. Units: translation as a share, rotation in rad/m.
 /// Source: KITTI odometry devkit: starts every 10 poses, segment ends at the first pose that is farther along the
