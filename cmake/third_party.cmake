@@ -47,3 +47,29 @@ find_package(benchmark QUIET)
 if(benchmark_FOUND)
   slamd_third_party(benchmark LIBRARIES benchmark::benchmark TRIPWIRES benchmark/benchmark.h)
 endif()
+
+# Optional: reading ROS 1 bags. Debian 12 pairs it with ROS 2's pluginlib, which is why there are so many roots.
+if(SLAMD_WITH_ROSBAG)
+  find_path(ROSBAG_INCLUDE rosbag/bag.h)
+  set(rosbag_parts ${ROSBAG_INCLUDE})
+  foreach(part pluginlib/class_loader class_loader/class_loader rcpputils/shared_library
+               ament_index_cpp/get_resource rcutils/shared_library)
+    get_filename_component(package ${part} DIRECTORY)
+    find_path(ROSBAG_${package}_INCLUDE NAMES ${part}.hpp ${part}.h PATH_SUFFIXES ${package})
+    list(APPEND rosbag_parts ${ROSBAG_${package}_INCLUDE})
+  endforeach()
+  foreach(library rosbag_storage rostime roscpp_serialization cpp_common console_bridge class_loader
+                  ament_index_cpp rcpputils rcutils tinyxml2)
+    find_library(ROSBAG_${library}_LIBRARY ${library})
+    list(APPEND rosbag_parts ${ROSBAG_${library}_LIBRARY})
+    list(APPEND rosbag_libraries ${ROSBAG_${library}_LIBRARY})
+  endforeach()
+  if(rosbag_parts MATCHES "NOTFOUND")
+    message(STATUS "ROS bags: not found (librosbag-storage-dev); slamd-import is built without them")
+  else()
+    slamd_third_party(rosbag LIBRARIES ${rosbag_libraries}
+      INCLUDES ${ROSBAG_INCLUDE} ${ROSBAG_pluginlib_INCLUDE} ${ROSBAG_class_loader_INCLUDE}
+               ${ROSBAG_rcpputils_INCLUDE} ${ROSBAG_ament_index_cpp_INCLUDE} ${ROSBAG_rcutils_INCLUDE}
+      TRIPWIRES rosbag/bag.h rosbag/view.h)
+  endif()
+endif()

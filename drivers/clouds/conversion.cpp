@@ -11,6 +11,9 @@ namespace slamd::clouds {
 
 namespace {
 
+// A first point farther from zero than this has not the offset in its scan but the time on some
+// clock.
+constexpr Duration kLargestOffset = kLongestScan;
 constexpr double kFarthest_m = 1e5;  // beyond this a float is no coordinate of a lidar's point
 
 const Column* first_of(const RawCloud& raw, std::initializer_list<std::string_view> names) {
@@ -78,6 +81,25 @@ bool is_return(double x_m, double y_m, double z_m) {
 }
 
 }  // namespace
+
+ScanPlace place_in_time(const Cloud& cloud,
+                        std::optional<Stamp> stamp,
+                        Stamp fallback,
+                        Duration period) {
+  ScanPlace place;
+  if (!cloud.has_time) {
+    place.end = stamp.value_or(fallback);
+    place.begin = place.end - period;
+    return place;
+  }
+  const bool own_clock = cloud.first_time > kLargestOffset || cloud.first_time < -kLargestOffset;
+  place.by_points = own_clock && (cloud.absolute_time || !stamp);
+  const Stamp zero = stamp.value_or(fallback - period);
+  place.begin = place.by_points ? Stamp{} + cloud.first_time
+                                : zero + (own_clock ? Duration{} : cloud.first_time);
+  place.end = place.begin + cloud.span + Duration{1};
+  return place;
+}
 
 std::optional<CloudRefusal> CloudConverter::convert(RawCloud& raw, Cloud& cloud) {
   to_lower(raw);

@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include "core/base/stamp.hpp"
 #include "core/sensor/point.hpp"
 #include "drivers/clouds/lines.hpp"
 #include "drivers/clouds/point_time.hpp"
@@ -21,6 +22,23 @@ struct Cloud {
   bool absolute_time = false;  // first_time counts from 1970
   LineSource lines = LineSource::kField;
 };
+
+/// Where a cloud lies in time.
+struct ScanPlace {
+  Stamp begin{};
+  Stamp end{};  // behind the last point; of a compensated cloud: its stamp
+  bool by_points =
+      false;  // the stamp was not used: the points' own times count from 1970, or there is no stamp
+};
+
+/// Places a cloud in time. With per-point time it begins at its earliest point: at the point's own
+/// time where that counts from 1970, else at the stamp plus the point's offset (negative where
+/// stamps are at the end of a scan). Without, it ends at its stamp and begins `period` before.
+/// `fallback` is the end of the scan where nothing tells.
+ScanPlace place_in_time(const Cloud& cloud,
+                        std::optional<Stamp> stamp,
+                        Stamp fallback,
+                        Duration period);
 
 /// Turns the columns of cloud files into points.
 ///

@@ -11,10 +11,6 @@ namespace slamd::clouds {
 
 namespace {
 
-// A first point farther from zero than this has not the offset in its scan but the time on some
-// clock.
-constexpr Duration kLargestOffset = kLongestScan;
-
 bool read_file(const std::filesystem::path& path, std::vector<std::byte>& bytes) {
   std::ifstream stream(path, std::ios::binary | std::ios::ate);
   const std::streamoff size = stream ? static_cast<std::streamoff>(stream.tellg()) : -1;
@@ -84,30 +80,17 @@ std::optional<CloudRefusal> PointFolderReader::set_period(std::size_t file, sens
   if (list_.stamps_are_known && !known) {
     return CloudRefusal::kNoStamp;
   }
-  // The scan's place by its number; never a sum of rounded periods.
+  // By its number, never as a sum of rounded periods.
   const Stamp by_rate =
       Stamp{} + from_seconds(static_cast<double>(file + 1) / options_.scans_per_second);
-  const bool own_clock = cloud_.has_time && (cloud_.first_time > kLargestOffset ||
-                                             cloud_.first_time < -kLargestOffset);
-  const bool by_points = own_clock && (cloud_.absolute_time || !known);
-  Stamp begin;
-  Stamp end;
-  if (!cloud_.has_time) {
-    end = known.value_or(by_rate);
-    begin = last_end_ && end - *last_end_ < period ? *last_end_ : end - period;
-  } else {
-    begin = by_points
-                ? Stamp{} + cloud_.first_time
-                : known.value_or(by_rate - period) + (own_clock ? Duration{} : cloud_.first_time);
-    end = begin + cloud_.span + Duration{1};
-  }
-  if (last_end_ && end <= *last_end_) {
+  const ScanPlace place = place_in_time(cloud_, known, by_rate, period);
+  if (last_end_ && place.end <= *last_end_) {
     return CloudRefusal::kStampNotIncreasing;
   }
   stamp_source_ =
-      by_points ? StampSource::kPointTimes : (known ? list_.source : StampSource::kRate);
-  scan.begin = begin;
-  scan.end = end;
+      place.by_points ? StampSource::kPointTimes : (known ? list_.source : StampSource::kRate);
+  scan.begin = last_end_ && !cloud_.has_time ? std::max(place.begin, *last_end_) : place.begin;
+  scan.end = place.end;
   return std::nullopt;
 }
 

@@ -37,6 +37,16 @@ double difference(std::int64_t a, std::int64_t b) {
       static_cast<std::int64_t>(static_cast<std::uint64_t>(a) - static_cast<std::uint64_t>(b)));
 }
 
+std::optional<TimeUnit> unit_of_name(std::string_view name) {
+  if (name.ends_with("_ns")) {
+    return TimeUnit::kNanosecond;
+  }
+  if (name.ends_with("_us")) {
+    return TimeUnit::kMicrosecond;
+  }
+  return name.ends_with("_ms") ? std::optional(TimeUnit::kMillisecond) : std::nullopt;
+}
+
 /// Whole seconds and the rest apart, so that a date loses nothing more than its double has lost.
 Duration to_duration(double value, TimeUnit unit) {
   const double per_second = 1e9 / static_cast<double>(unit);
@@ -100,6 +110,9 @@ const Column* time_column(const RawCloud& cloud) {
 }
 
 std::optional<TimeUnit> detect_unit(const RawCloud& cloud, const Column& column) {
+  if (const auto unit = unit_of_name(column.name)) {
+    return unit;
+  }
   TimesFromFirst times(cloud, column);
   for (std::size_t i = 0; i < cloud.points; ++i) {
     times.see(i);

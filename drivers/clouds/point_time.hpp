@@ -30,8 +30,9 @@ struct PointTimes {
 /// time_offset, offset_ns, ... or nullptr.
 const Column* time_column(const RawCloud& cloud);
 
-/// Says in which unit a time column counts: the one in which the scan lasts 5 ms to 1 s. The four
-/// ranges do not overlap, so at most one fits; nothing when none does (all times equal).
+/// Says in which unit a time column counts: what its name says (_ns, _us, _ms at the end), else the
+/// one in which the scan lasts 5 ms to 1 s. These ranges do not overlap, so at most one fits;
+/// nothing when none does (all times equal).
 std::optional<TimeUnit> detect_unit(const RawCloud& cloud, const Column& column);
 
 /// Reads the times of the points listed in `points` (indices), in the given unit.
