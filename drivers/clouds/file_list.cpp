@@ -169,7 +169,10 @@ bool stamps_from_names(FileList& list) {
 }
 
 bool stamps_from_times_file(const fs::path& folder, FileList& list) {
-  for (const fs::path& place : {folder, fs::absolute(folder).lexically_normal().parent_path()}) {
+  const fs::path normal = fs::absolute(folder).lexically_normal();
+  // "clouds/" has an empty last part, whose parent is "clouds" itself.
+  const fs::path above = (normal.has_filename() ? normal : normal.parent_path()).parent_path();
+  for (const fs::path& place : {folder, above}) {
     for (const char* name : kTimesFiles) {
       if (!fs::exists(place / name)) {
         continue;

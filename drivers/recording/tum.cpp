@@ -107,6 +107,18 @@ std::vector<StampedPose> read_kitti(const std::filesystem::path& file, const std
   return poses;
 }
 
+bool is_kitti(const std::filesystem::path& file) {
+  std::size_t words = 0;
+  bool first = true;
+  for_each_row(file, [&](std::size_t, std::string_view text) {
+    while (first && !next_word(text).empty()) {
+      ++words;
+    }
+    first = false;
+  });
+  return words == 12;
+}
+
 void write_tum_line(std::FILE* stream, Stamp stamp, const geometry::Se3& T) {
   const std::int64_t ns = stamp.time_since_epoch().count();
   const Eigen::Quaterniond q = T.quaternion();

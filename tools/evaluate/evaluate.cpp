@@ -24,7 +24,11 @@ constexpr double kDegree = M_PI / 180.0;
 
 Trajectory read(const std::string& file, const std::string& times) {
   Trajectory trajectory;
-  for (const recording::StampedPose& pose : times.empty() ? recording::read_tum(file) : recording::read_kitti(file, times)) {
+  const bool kitti = recording::is_kitti(file);
+  if (kitti && times.empty()) {
+    throw recording::RecordingError(file, "holds KITTI rows, which have no stamps: give them with --times FILE");
+  }
+  for (const recording::StampedPose& pose : kitti ? recording::read_kitti(file, times) : recording::read_tum(file)) {
     trajectory.push_back({pose.stamp, pose.T});
   }
   if (trajectory.empty()) {

@@ -1,59 +1,70 @@
-#include <unistd.h>
-
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <string>
 #include <vector>
 
 #include <CLI/CLI.hpp>
 
-#include "core/evaluation/errors.hpp"
-#include "drivers/recording/tum.hpp"
-#include "tools/replay/output.hpp"
-#include "tools/replay/recording.hpp"
-#include "tools/replay/replay.hpp"
+#include "daemon/configuration/key_table.hpp"
+#include "tools/cli/cli.hpp"
+#include "tools/replay/session.hpp"
+
+namespace {
+
+namespace fs = std::filesystem;
+using namespace slamd;
+
+struct Options {
+  std::string recording;
+  std::string out;
+  std::vector<std::string> configs;
+  std::vector<std::string> overrides;
+  std::string compare;
+  bool json = false;
+  bool print_configuration = false;
+};
+
+void declare(CLI::App& app, Options& options) {
+  app.add_option("RECORDING", options.recording, "Directory with recording.toml, or a capture with --config")->required();
+  app.add_option("--out", options.out, "Directory for odometry.tum, trajectory.tum, map.ply, report.json, report.html");
+  app.add_option("--config", options.configs, "TOML file; wins over recording.toml key by key");
+  app.add_option("--set", options.overrides, "key=value; wins over all files")->take_all();
+  app.add_option("--compare", options.compare, "Run a second filter on the same recording, side by side")->check(CLI::IsMember({"psf", "iekf"}));
+  app.add_flag("--json", options.json, "Print report.json instead of the summary");
+  app.add_flag("--print-config", options.print_configuration, "Print the complete configuration and exit");
+  app.footer("Exit code: 0 the recording was processed to its end; 1 it could not be; 2 bad configuration or usage.\n"
+             "All keys: docs/configuration.md.");
+}
+
+int run(const Options& options) {
+  const replay::Recording recording = replay::open_recording(options.recording, options.configs, options.overrides);
+  if (options.print_configuration) {
+    std::fputs(configuration::print_configuration(recording.configuration).c_str(), stdout);
+    return 0;
+  }
+  if (options.out.empty()) {
+    throw cli::UsageError("--out DIR is required");
+  }
+  fs::create_directories(options.out);
+  replay::Session session(recording, options.out);
+  {
+    cli::Progress progress("mapping");
+    session.run([&](double share) { progress.show(share); });
+  }
+  if (!options.compare.empty()) {
+    cli::Progress progress("comparing");
+    session.compare(options.compare, [&](double share) { progress.show(share); });
+  }
+  session.write_reports();
+  std::fputs((options.json ? session.json() : session.summary()).c_str(), stdout);
+  return 0;
+}
+
+}  // namespace
 
 int main(int argc, char** argv) {
-  using namespace slamd;
-  CLI::App app("replay");
-  std::string out, rec;
-  std::vector<std::string> configs, sets;
-  app.add_option("--out", out)->required();
-  app.add_option("--config", configs);
-  app.add_option("--set", sets);
-  app.add_option("RECORDING", rec)->required();
-  CLI11_PARSE(app, argc, argv);
-  try {
-    auto r = replay::open_recording(rec, configs, sets);
-    std::filesystem::create_directories(out);
-    replay::ProductWriter w(out, r.configuration.output.map_spacing_m);
-    auto run = replay::replay(r, {[&](const replay::ScanRecord& a, const scan::DeskewedScan& b) {
-                                    w.add(a, b);
-                                    if (getenv("DBG")) {
-                                      const auto& u = a.odometry.update;
-                                      std::fprintf(stderr, "%lu n=%zu inl %.2f match %.2f res %.4f it %d innov %.1f ll %.2f rec %d won %d state %d cause %d weak %d\n", static_cast<unsigned long>(a.odometry.scan_index), u.constraints, u.inlier_ratio, u.matched_ratio, u.mean_residual_m, u.iterations, u.innovation, a.odometry.swarm.plain_log_likelihood, a.odometry.swarm.recovery, a.odometry.swarm.swarm_won, int(a.odometry.state), int(a.odometry.cause), a.odometry.weak_axes);
-                                    }
-                                  }, {}});
-    w.close();
-    std::string acc;
-    if (!r.truth.empty()) {
-      evaluation::Trajectory ref;
-      for (auto& p : recording::read_tum(r.truth)) ref.push_back({p.stamp, p.T});
-      auto pairs = evaluation::associate_interpolated(ref, replay::trajectory_of(run), std::chrono::seconds(1));
-      auto ape = evaluation::statistics_of(evaluation::ape_translation_m(pairs, evaluation::align(pairs, evaluation::Alignment::kSe3)));
-      auto yaw = evaluation::statistics_of(evaluation::ape_translation_m(pairs, evaluation::align(pairs, evaluation::Alignment::kYaw)));
-      double drift = evaluation::end_drift_m(pairs, evaluation::align(pairs, evaluation::Alignment::kSe3));
-      char b[200];
-      snprintf(b, 200, "{\"ape\":%.4f,\"yaw_ape\":%.4f,\"end\":%.4f,\"end_pct\":%.4f}", ape.rmse, yaw.rmse, drift, 100 * drift / replay::path_m(run));
-      acc = b;
-    }
-    std::ofstream(std::filesystem::path(out) / "report.json") << replay::report_json(r, run, acc);
-  } catch (const configuration::ConfigurationError& e) {
-    std::fprintf(stderr, "slamd-replay: %s\n", e.what());
-    return 2;
-  } catch (const std::exception& e) {
-    std::fprintf(stderr, "slamd-replay: %s\n", e.what());
-    return 1;
-  }
+  Options options;
+  return cli::run_program(argc, argv, "slamd-replay",
+                          "Runs a recording through slamd on a virtual clock: the same recording gives the same bytes.",
+                          [&](CLI::App& app) { declare(app, options); }, [&] { return run(options); });
 }

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+
+#include "tools/replay/output.hpp"
+#include "tools/replay/recording.hpp"
+#include "tools/replay/replay.hpp"
+
+namespace slamd::replay {
+
+/// One call of slamd-replay: a run with its products, perhaps a second one beside it, and the reports on both.
+class Session {
+ public:
+  Session(Recording recording, std::filesystem::path directory);
+
+  /// Maps the recording; writes odometry.tum, trajectory.tum and map.ply. Errors: RecordingError.
+  void run(const std::function<void(double)>& progress);
+
+  /// Runs another filter on the same recording; writes odometry-<filter>.tum.
+  void compare(const std::string& filter, const std::function<void(double)>& progress);
+
+  /// Writes report.json and report.html.
+  void write_reports() const;
+
+  /// Returns report.json.
+  std::string json() const;
+
+  /// Returns a few lines for a terminal.
+  std::string summary() const;
+
+ private:
+  std::string filter_name() const;
+
+  Recording recording_;
+  std::filesystem::path directory_;
+  evaluation::Trajectory truth_;
+  Run run_;
+  std::vector<Eigen::Vector3f> map_points_;
+  std::string compared_filter_;
+  std::optional<Run> compared_;
+};
+
+}  // namespace slamd::replay
