@@ -11,8 +11,25 @@
 
 namespace slamd::cli {
 
-int run_program(int argc, char** argv, const std::string& name, const std::string& description,
-                const std::function<void(CLI::App&)>& declare, const std::function<int()>& run) {
+namespace {
+
+/// Says what went wrong in one line, whatever breaks the message has.
+int complain(const std::string& name, std::string message, int code) {
+  message.erase(message.find_last_not_of('\n') + 1);
+  std::replace(message.begin(), message.end(), '\n', ' ');
+  std::fflush(stdout);
+  std::fprintf(stderr, "%s: %s\n", name.c_str(), message.c_str());
+  return code;
+}
+
+}  // namespace
+
+int run_program(int argc,
+                char** argv,
+                const std::string& name,
+                const std::string& description,
+                const std::function<void(CLI::App&)>& declare,
+                const std::function<int()>& run) {
   CLI::App app(description, name);
   app.set_version_flag("--version", name + " " SLAMD_VERSION);
   app.get_formatter()->column_width(34);
@@ -24,25 +41,24 @@ int run_program(int argc, char** argv, const std::string& name, const std::strin
   } catch (const CLI::CallForVersion& call) {
     return app.exit(call);
   } catch (const CLI::ParseError& error) {
-    std::fprintf(stderr, "%s: %s (try --help)\n", name.c_str(), error.what());
-    return 2;
+    return complain(name, std::string(error.what()) + " (try --help)", 2);
   }
   try {
     return run();
   } catch (const UsageError& error) {
-    std::fprintf(stderr, "%s: %s\n", name.c_str(), error.what());
-    return 2;
+    return complain(name, error.what(), 2);
   } catch (const configuration::ConfigurationError& error) {
-    std::fprintf(stderr, "%s: %s\n", name.c_str(), error.what());
-    return 2;
+    return complain(name, error.what(), 2);
   } catch (const std::exception& error) {
-    std::fprintf(stderr, "%s: %s\n", name.c_str(), error.what());
-    return 1;
+    return complain(name, error.what(), 1);
   }
 }
 
 Progress::Progress(std::string what)
-    : what_(std::move(what)), terminal_(isatty(STDERR_FILENO) != 0), begin_(std::chrono::steady_clock::now()), last_(begin_) {}
+    : what_(std::move(what)),
+      terminal_(isatty(STDERR_FILENO) != 0),
+      begin_(std::chrono::steady_clock::now()),
+      last_(begin_) {}
 
 Progress::~Progress() {
   if (shown_) {
@@ -61,8 +77,15 @@ void Progress::show(double share) {
   const int filled = static_cast<int>(kWidth * std::clamp(share, 0.0, 1.0));
   const double elapsed_s = std::chrono::duration<double>(now - begin_).count();
   const double left_s = share > 0.01 ? elapsed_s * (1.0 - share) / share : 0.0;
-  std::fprintf(stderr, "\r%s [%.*s%*s] %3.0f %%  %.0f s left ", what_.c_str(), filled, "##############################",
-               kWidth - filled, "", 100.0 * share, left_s);
+  std::fprintf(stderr,
+               "\r%s [%.*s%*s] %3.0f %%  %.0f s left ",
+               what_.c_str(),
+               filled,
+               "##############################",
+               kWidth - filled,
+               "",
+               100.0 * share,
+               left_s);
 }
 
 }  // namespace slamd::cli

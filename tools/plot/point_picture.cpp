@@ -15,9 +15,10 @@ constexpr std::size_t kDensities =
 constexpr Rgb kBackground = {15, 19, 24};
 constexpr std::size_t kMaxHeight = 2400;
 
-/// The range between two quantiles. Reorders the values.
+/// The range between two quantiles of the finite values. Reorders them.
 Range between_quantiles(std::vector<float>& values, double low, double high) {
   Range range;
+  std::erase_if(values, [](float value) { return !std::isfinite(value); });
   if (!values.empty()) {
     for (const double share : {low, high}) {
       const auto at = static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
