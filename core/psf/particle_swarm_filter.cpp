@@ -70,6 +70,11 @@ Answer ParticleSwarmFilter::answer(std::span<const Eigen::Vector3f> points_imu,
   };
   double best_score = score_of(best.T_odom_imu, best.log_likelihood) + config_.gate_margin;
   const auto challenge = [&](const Se3& T_odom_imu) {
+    // So near it is the plain update's own mode, which the final update would come back to.
+    const Vector6d apart = boxminus(T_odom_imu, question.T_odom_imu_plain);
+    if (apart.head<3>().norm() < config_.same_mode_m && apart.tail<3>().norm() < config_.same_mode_rad) {
+      return;
+    }
     const float log_likelihood = fit(T_odom_imu);
     const double score = score_of(T_odom_imu, log_likelihood);
     if (score > best_score) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 
 #include "core/base/bounded_vector.hpp"
@@ -34,6 +35,8 @@ struct PsfConfig {
   double gate_margin = 2.0;              // what a mode must beat the plain update by
   double wide_penalty = 8.0;             // log odds against "the prediction was wrong"
   double mode_separation_boxes = 0.3;
+  double same_mode_m = 0.05;             // nearer to the plain update than both of these
+  double same_mode_rad = 0.5 * M_PI / 180.0;
   double trigger_drop = 0.35;            // of the mean log-likelihood below its running mean
 };
 
