@@ -37,7 +37,8 @@ inline constexpr int kLinkIpv4 = 228;
 
 /// Finds the UDP payload in a captured frame: Ethernet with any number of VLAN tags, Linux cooked (1 and 2), raw IP,
 /// null and loopback. Fills ports, address and payload of `packet` when the result is kUdp.
-/// `length` is the frame's length on the wire. Real-time: no allocation.
+/// `length` is the frame's length on the wire. An IP length beyond it is passed over when the UDP length fits.
+/// Real-time: no allocation.
 FrameKind parse_frame(int link, std::span<const std::byte> frame, std::size_t length, Packet& packet);
 
 }  // namespace slamd::recording
