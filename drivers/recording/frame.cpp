@@ -112,6 +112,7 @@ const char* name_of(FrameKind kind) {
     case FrameKind::kNotUdp: return "not_udp";
     case FrameKind::kBadHeader: return "bad_ip_or_udp_header";
     case FrameKind::kUnknownLink: return "unknown_link_layer";
+    case FrameKind::kBadStamp: return "bad_stamp";
   }
   return "?";
 }

@@ -9,7 +9,7 @@
 
 namespace slamd::recording {
 
-/// What a captured frame turned out to be.
+/// What a captured frame turned out to be. (kBadStamp is found by the reader of the capture.)
 enum class FrameKind : std::uint8_t {
   kUdp,
   kFragment,        // part of a fragmented datagram: reported, not guessed at
@@ -19,9 +19,10 @@ enum class FrameKind : std::uint8_t {
   kNotUdp,
   kBadHeader,       // lengths contradict each other
   kUnknownLink,     // a link layer that is not read
+  kBadStamp,        // a datagram, but received after the year 2261
 };
 
-inline constexpr std::size_t kFrameKinds = 8;
+inline constexpr std::size_t kFrameKinds = 9;
 
 const char* name_of(FrameKind kind);
 

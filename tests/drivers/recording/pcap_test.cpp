@@ -69,6 +69,12 @@ TEST_F(PcapReaderTest, ReadsClassicCapturesOfBothOrdersAndResolutions) {
   }
 }
 
+TEST_F(PcapReaderTest, ReadsStampsBeyond2038) {
+  EXPECT_EQ(payloads_of(MadeCapture().add(frame_with("late"), 0xFFFFFFFFU, 5).text()), "late ");
+
+  EXPECT_EQ(last_.received.time_since_epoch(), 4'294'967'295s + 5us);
+}
+
 TEST_F(PcapReaderTest, ReadsEachLinkLayer) {
   const Bytes ip = MadeDatagram{}.ipv4();
   const auto cooked = Written(std::endian::big).add_zeros(14).add(kIpv4Type).add_bytes(ip).bytes();
@@ -255,6 +261,17 @@ TEST_F(PcapReaderTest, KeepsWhatStandsBeforeATruncatedBlockOfPcapng) {
   EXPECT_EQ(payloads_of(text.substr(0, text.size() - 6)), "one ");
 
   EXPECT_TRUE(counters_.ended_in_a_record);
+}
+
+TEST_F(PcapReaderTest, RefusesStampsThatNoClockCanShow) {
+  MadePcapng capture(std::endian::little);
+  capture.interface(0).packet(frame_with("never"), 0xFFFF'FFFF'FFFFULL);
+  capture.packet(frame_with("now"), 1'700'000'000);
+
+  EXPECT_EQ(payloads_of(capture.text()), "now ");
+
+  EXPECT_EQ(counters_.of(FrameKind::kBadStamp), 1U);
+  EXPECT_EQ(last_.received.time_since_epoch(), 1'700'000'000s);
 }
 
 class PcapWriterTest : public ScratchFolder {};
