@@ -280,7 +280,7 @@ TEST_F(PcapWriterTest, IsReadBackToTheNanosecondAndTheByte) {
   std::mt19937_64 random(1);
   std::vector<Bytes> payloads;
   std::vector<Packet> written;
-  for (const std::size_t size : {0U, 1U, 2U, 1206U, 1207U, 1472U, 9000U}) {
+  for (const std::size_t size : {0U, 1U, 2U, 1206U, 1207U, 1472U, 9000U, 65'507U}) {
     Bytes payload(size);
     for (std::byte& byte : payload) {
       byte = static_cast<std::byte>(random());
@@ -315,6 +315,18 @@ TEST_F(PcapWriterTest, IsReadBackToTheNanosecondAndTheByte) {
   }
   EXPECT_FALSE(reader.next(read));
   EXPECT_FALSE(reader.counters().ended_in_a_record);
+}
+
+TEST_F(PcapWriterTest, RefusesAPayloadThatNoDatagramHolds) {
+  PcapWriter sut(folder_ / "out.pcap");
+  const Bytes payload(65'508);
+  Packet packet;
+  packet.payload = payload;
+
+  EXPECT_NE(message_of<RecordingError>([&] { sut.write(packet); }), "");
+  sut.close();
+
+  EXPECT_EQ(std::filesystem::file_size(folder_ / "out.pcap"), 24U);
 }
 
 /// Ones' complement sum of big-endian words; 0xFFFF over data that hold their own right checksum.
