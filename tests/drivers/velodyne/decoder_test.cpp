@@ -48,6 +48,7 @@ TEST_F(VelodyneDecoderTest, GivesEachFiringOfAVlp16ItsOwnTimeAndDirection) {
   for (int sequence = 0; sequence < 24; ++sequence) {
     EXPECT_EQ(block_.sequences[static_cast<std::size_t>(sequence)].first_point, 16 * sequence);
     EXPECT_EQ(block_.sequences[static_cast<std::size_t>(sequence)].azimuth_cdeg, 1000 + 20 * sequence);
+    EXPECT_EQ(block_.sequences[static_cast<std::size_t>(sequence)].offset_ns, 55'296U * sequence);
     for (int laser = 0; laser < 16; ++laser) {
       const sensor::Point& point = block_.points[static_cast<std::size_t>(16 * sequence + laser)];
       const Direction direction = direction_of(point);
@@ -207,6 +208,36 @@ TEST_F(VelodyneDecoderTest, DoesNotInterpolateAcrossAHoleOrBackward) {
   EXPECT_EQ(block_.sequences[1].azimuth_cdeg, 860);
   ASSERT_EQ(decode(backward), DecodeResult::kOk);
   EXPECT_EQ(block_.sequences[11].azimuth_cdeg, 1220);
+}
+
+// A field of view from 270 to 90 degrees: one packet a turn ends one sweep and begins the next.
+TEST_F(VelodyneDecoderTest, LetsTheTimePassThatASectorLeftOutTakes) {
+  MadePacket packet = MadePacket(kStrongest, kVlp16Byte).turn(8921, 40).fill(5000, 1);
+  for (std::size_t block = 3; block < 12; ++block) {
+    packet.azimuth(block, 27000 + 40 * static_cast<int>(block - 3));
+  }
+  // At 600 rpm from 90.01 to 270.00 degrees: 49.997 ms, 452 blocks of 110.592 us.
+  constexpr double kBehind_us = 452 * 110.592;
+
+  ASSERT_EQ(decode(packet), DecodeResult::kOk);
+
+  EXPECT_NEAR(block_.points[95].offset_ns, 1e3 * (5 * 55.296 + 15 * 2.304), 0.51);
+  EXPECT_NEAR(block_.points[96].offset_ns, 1e3 * (2 * 110.592 + kBehind_us), 0.51);
+  EXPECT_EQ(block_.sequences[6].azimuth_cdeg, 27000);
+  EXPECT_NEAR(block_.sequences[6].offset_ns, 1e3 * (2 * 110.592 + kBehind_us), 0.51);
+  EXPECT_NEAR(static_cast<double>(block_.duration.count()), 1e3 * (11 * 110.592 + kBehind_us), 1.0);
+  EXPECT_EQ(block_.sequences[5].azimuth_cdeg, 8921 + 2 * 40 + 20);  // the head turned on
+}
+
+TEST_F(VelodyneDecoderTest, LetsNoTimePassForAzimuthsThatJumpToAndFro) {
+  MadePacket jumping = MadePacket(kStrongest, kVlp16Byte).turn(1000, 40).azimuth(5, 20000);
+  MadePacket trembling = MadePacket(kStrongest, kVlp16Byte).turn(1000, 40).azimuth(5, 1159);
+
+  for (const MadePacket& packet : {jumping, trembling}) {
+    ASSERT_EQ(decode(packet), DecodeResult::kOk);
+    EXPECT_EQ(block_.duration, 1'327'104ns);
+    EXPECT_EQ(block_.sequences[23].offset_ns, 23U * 55'296);
+  }
 }
 
 TEST_F(VelodyneDecoderTest, GivesBothReturnsOfAFiringItsTimeAndDirection) {
@@ -373,6 +404,7 @@ void expect_sound(const sensor::PointBlock& block, bool dual) {
   for (const sensor::Sequence& sequence : block.sequences) {
     RC_ASSERT(sequence.azimuth_cdeg < 36000);
     RC_ASSERT(sequence.first_point >= first_point);
+    RC_ASSERT(Duration{sequence.offset_ns} < block.duration);
     first_point = sequence.first_point;
   }
   RC_ASSERT(first_point <= block.points.size());
