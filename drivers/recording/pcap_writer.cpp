@@ -86,7 +86,9 @@ void PcapWriter::write(const Packet& packet, std::uint32_t destination_address) 
   store_be(udp, 6, check == 0 ? std::uint16_t{0xFFFF} : check);
 
   std::fwrite(bytes.data(), 1, bytes.size(), stream_.get());
-  std::fwrite(packet.payload.data(), 1, packet.payload.size(), stream_.get());
+  if (!packet.payload.empty()) {  // an empty one may be a null pointer, which fwrite must not see
+    std::fwrite(packet.payload.data(), 1, packet.payload.size(), stream_.get());
+  }
 }
 
 void PcapWriter::close() {
