@@ -367,6 +367,22 @@ TEST_F(PcapWriterTest, WritesFramesWithValidChecksums) {
   EXPECT_EQ(folded_sum(udp, folded_sum(frame.subspan(26, 8), pseudo)), 0xFFFFU);
 }
 
+// A checksum of 0 would say that there is none (RFC 768).
+TEST_F(PcapWriterTest, WritesAChecksumOfZeroAsAllOnes) {
+  Packet packet;
+  packet.source_address = 0x0A000001;
+  packet.source_port = 0xFFFF - 0x0A00 - 0x0002 - 17 - 8 - 8;  // what all the other words leave
+  PcapWriter sut(folder_ / "out.pcap");
+
+  sut.write(packet, 0x00000001);
+  sut.close();
+
+  std::ifstream stream(folder_ / "out.pcap", std::ios::binary);
+  const std::string text(std::istreambuf_iterator<char>(stream), {});
+  ASSERT_EQ(text.size(), 24U + 16 + 42);
+  EXPECT_EQ(text.substr(text.size() - 2), "\xFF\xFF");
+}
+
 TEST_F(PcapWriterTest, TellsWhenTheFileCannotBeWritten) {
   const auto nowhere = folder_ / "no" / "such" / "folder.pcap";
   EXPECT_EQ(message_of<RecordingError>([&] { PcapWriter sut(nowhere); }),

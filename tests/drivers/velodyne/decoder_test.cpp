@@ -198,6 +198,16 @@ TEST_F(VelodyneDecoderTest, UsesEachGapForItsOwnBlockAndTheLastAgain) {
   EXPECT_EQ(block_.sequences[23].azimuth_cdeg, 1442 + 22);
 }
 
+TEST_F(VelodyneDecoderTest, InterpolatesGapsOfOneAndAHalfDegreesAndNoLongerOnes) {
+  MadePacket longest = MadePacket(kStrongest, kVlp16Byte).turn(1000, 40).azimuth(0, 890);
+  MadePacket too_long = MadePacket(kStrongest, kVlp16Byte).turn(1000, 40).azimuth(0, 889);
+
+  ASSERT_EQ(decode(longest), DecodeResult::kOk);
+  EXPECT_EQ(block_.sequences[1].azimuth_cdeg, 890 + 75);
+  ASSERT_EQ(decode(too_long), DecodeResult::kOk);
+  EXPECT_EQ(block_.sequences[1].azimuth_cdeg, 889 + 20);
+}
+
 TEST_F(VelodyneDecoderTest, DoesNotInterpolateAcrossAHoleOrBackward) {
   MadePacket hole = MadePacket(kStrongest, kVlp16Byte).turn(1000, 40);
   hole.azimuth(0, 840);  // 1.6 degrees

@@ -161,6 +161,15 @@ TEST(VelodyneRmc, KeepsTheTimeOfAReceiverWithoutAFix) {
   EXPECT_EQ(rmc->unix_seconds, 1'483'228'800);  // the leap second ends the day
 }
 
+TEST(VelodyneRmc, TakesYearsFromEightyOnForTheLastCentury) {
+  const auto late = parse_rmc(with_checksum("GPRMC,000000,V,,,,,,,010179,,"));
+  const auto early = parse_rmc(with_checksum("GPRMC,000000,V,,,,,,,010180,,"));
+
+  ASSERT_TRUE(late && early);
+  EXPECT_EQ(late->unix_seconds, 3'439'756'800);  // 2079-01-01
+  EXPECT_EQ(early->unix_seconds, 315'532'800);   // 1980-01-01
+}
+
 TEST(VelodyneRmc, RefusesWhatIsNoRmc) {
   for (const char* body : {"GPGGA,123519,4807.038,N,01131.000,E,1,08,0.9,545.4,M,46.9,M,,",
                            "GPRMC",
