@@ -74,7 +74,7 @@ class Decoder {
   struct Turning {
     std::array<std::uint16_t, 12> azimuth_cdeg{};
     std::array<double, 12> gap_cdeg{};
-    std::array<int, 12> cycle{};  // how many blocks' times after the first; more than its index behind a sector left out
+    std::array<int, 12> cycle{};  // how many blocks' times after the first: beyond its index behind a sector left out
   };
 
   static void count_cycles(double cycle_us, std::size_t count, Turning& turning);

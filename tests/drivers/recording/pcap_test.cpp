@@ -168,7 +168,10 @@ TEST_F(PcapReaderTest, ReadsACaptureWithoutARecord) {
 
 TEST_F(PcapReaderTest, NamesTheFileAndTheCauseOfWhatIsNoCapture) {
   const std::pair<const char*, std::string> files[] = {
-      {"empty", ""}, {"short", "\xD4\xC3\xB2\xA1\x02"}, {"garbage", std::string(4096, 'g')}, {"text", "time,x,y\n1,2,3\n"}};
+      {"empty", ""},
+      {"short", "\xD4\xC3\xB2\xA1\x02"},
+      {"garbage", std::string(4096, 'g')},
+      {"text", "time,x,y\n1,2,3\n"}};
 
   for (const auto& [name, text] : files) {
     const auto file = write(name, text);

@@ -22,7 +22,9 @@ using namespace std::chrono_literals;
 constexpr const char* kSentence = "$GPRMC,123519,A,4807.038,N,01131.000,E,022.4,084.4,230394,003.1,W*6A";
 constexpr std::int64_t kSentence_s = 764'426'119;  // 1994-03-23 12:35:19 UTC
 
-std::vector<std::byte> packet_with(const std::string& text, std::uint8_t pps = 2, std::uint32_t stamp_us = 140'854'497) {
+std::vector<std::byte> packet_with(const std::string& text,
+                                   std::uint8_t pps = 2,
+                                   std::uint32_t stamp_us = 140'854'497) {
   std::vector<std::byte> packet(512);
   store_le(packet, 0xC6, stamp_us);
   store_le(packet, 0xCA, pps);
