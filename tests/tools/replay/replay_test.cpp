@@ -153,7 +153,7 @@ TEST_F(Replay, RunsWithoutAnInertialSensor) {
   const replay::Run sut = run_of(open_recording(drive_, {}, {"imu.enabled=false"}));
 
   EXPECT_GT(sut.scans.size(), 50U);
-  EXPECT_EQ(sut.scans_before_start, 0U);
+  EXPECT_LE(sut.scans_before_start, 1U);  // the part of a revolution at its beginning
   EXPECT_FALSE(sut.alignment.has_value());
 }
 
