@@ -58,19 +58,25 @@ TimeSummary stage(const Run& run, Get&& get) {
   return summary_of(std::move(values));
 }
 
+/// The scans and the time in each state, and the causes of it. A scan's state holds from the scan before it on.
 ordered_json states_of(const Run& run) {
   std::map<std::string, std::map<std::string, std::uint64_t>> causes;
   std::map<std::string, std::uint64_t> scans;
+  std::map<std::string, Duration> times;
+  const ScanRecord* before = nullptr;
   for (const ScanRecord& record : run.scans) {
     const std::string state = name_of(record.odometry.state);
     ++scans[state];
+    times[state] += before == nullptr ? Duration{} : record.odometry.stamp - before->odometry.stamp;
+    before = &record;
     if (record.odometry.cause != odometry::Cause::kNone) {
       ++causes[state][name_of(record.odometry.cause)];
     }
   }
   ordered_json states = ordered_json::object();
   for (const auto& [state, count] : scans) {
-    states[state] = {{"scans", count}, {"causes", causes[state]}};
+    const double time_s = std::round(1e3 * to_seconds(times[state])) / 1e3;
+    states[state] = {{"scans", count}, {"time_s", time_s}, {"causes", causes[state]}};
   }
   return states;
 }
