@@ -59,6 +59,7 @@ fi
 unknown=() lines=0
 while IFS= read -r line; do
   read -r -a words <<<"${line%%#*}"
+  [ ${#words[@]} -gt 0 ] || continue
   program=${words[0]##*/}
   case "${words[0]}" in
     slamd-*) program=$bin/$program ;;
