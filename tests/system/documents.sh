@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Proves that the documents tell the truth where a program can check them: keys, links, options, programs.
 set -uo pipefail
-cd "$(dirname "$0")/../.."
+cd "$(dirname "$0")/../.." || exit 1
 bin=${SLAMD_BIN:-build/release/bin}
 status=0
 pass() { echo "PASS documents: $1"; }

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Proves that a clone and nothing else is enough: in a fresh Debian 12 the demo runs and the tests pass.
 set -uo pipefail
-cd "$(dirname "$0")/../.."
+cd "$(dirname "$0")/../.." || exit 1
 
 usage() {
   cat <<'END'
