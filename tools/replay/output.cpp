@@ -105,9 +105,7 @@ void ProductWriter::add(const ScanRecord& record, const scan::DeskewedScan& scan
     const Eigen::Vector3f p_map = R * p_imu + t;
     if (map_.points() < kMaxMapPoints && sampler_.admit(p_map)) {
       map_.write(p_map);
-      if (picture_points_.size() < kMaxPicturePoints) {
-        picture_points_.push_back(p_map);
-      }
+      picture_points_.offer(p_map);
     }
   }
 }
