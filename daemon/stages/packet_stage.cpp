@@ -29,43 +29,54 @@ sensor::ClockConfig clock_config(const Configuration& configuration, bool livox)
   return config;
 }
 
-sensor::ScanAssemblerConfig assembler_config(const Configuration& configuration, bool livox) {
+std::string hex(std::uint8_t value) {
+  const char* digits = "0123456789abcdef";
+  return std::string("0x") + digits[value >> 4] + digits[value & 15];
+}
+
+bool is_livox(const Configuration& configuration) { return configuration.lidar.model == LidarModel::kLivoxAvia; }
+
+}  // namespace
+
+sensor::ScanAssemblerConfig assembler_config(const Configuration& configuration) {
   sensor::ScanAssemblerConfig config;
-  config.rule = livox ? sensor::CutRule::kPeriod : sensor::CutRule::kAzimuth;
+  config.rule = is_livox(configuration) ? sensor::CutRule::kPeriod : sensor::CutRule::kAzimuth;
   config.cut_azimuth_deg = configuration.lidar.cut_azimuth_deg;
   config.period = configuration.lidar.scan_period;
   config.max_points = configuration.odometry.preprocess.max_points;
   return config;
 }
 
-std::string hex(std::uint8_t value) {
-  const char* digits = "0123456789abcdef";
-  return std::string("0x") + digits[value >> 4] + digits[value & 15];
+NamedCounts named_counts(const sensor::ScanAssemblerCounts& scans) {
+  NamedCounts counts;
+  counts.emplace_back("accepted", scans.blocks_accepted);
+  for (std::size_t i = 0; i < sensor::kBlockRefusals; ++i) {
+    const auto reason = static_cast<sensor::BlockRefusal>(i);
+    counts.emplace_back("refused_" + std::string(sensor::to_string(reason)), scans.refused_for(reason));
+  }
+  counts.emplace_back("missing", scans.blocks_missing);
+  return counts;
 }
 
-}  // namespace
-
 PacketStage::PacketStage(const Configuration& configuration)
-    : livox_(configuration.lidar.model == LidarModel::kLivoxAvia),
+    : livox_(is_livox(configuration)),
       takes_imu_(configuration.imu.enabled && configuration.imu.source == "livox"),
       port_(configuration.lidar.port == 0 && !livox_ ? kVelodynePort : configuration.lidar.port),
       position_port_(configuration.lidar.position_port),
       velodyne_({velodyne_model(configuration.lidar.model), configuration.lidar.vertical_parallax}),
       livox_decoder_(livox::LivoxConfig{}),
-      clock_(clock_config(configuration, livox_)),
-      assembler_(assembler_config(configuration, livox_)) {}
+      clock_(clock_config(configuration, livox_)) {}
 
-PacketOutcome PacketStage::add(const recording::Packet& packet) {
-  return livox_ ? add_livox(packet) : add_velodyne(packet);
+PacketOutcome PacketStage::add(const recording::Packet& packet, sensor::PointBlock& block) {
+  return livox_ ? add_livox(packet, block) : add_velodyne(packet, block);
 }
 
-const sensor::Scan* PacketStage::assemble() {
+void PacketStage::stamp(sensor::PointBlock& block) {
   // A packet leaves when its last firing is done: that, not its first, is what latency counts from.
-  block_.stamp = clock_.map(block_.device_stamp, block_.received - block_.duration);
-  return assembler_.add(block_);
+  block.stamp = clock_.map(block.device_stamp, block.received - block.duration);
 }
 
-PacketOutcome PacketStage::add_velodyne(const recording::Packet& packet) {
+PacketOutcome PacketStage::add_velodyne(const recording::Packet& packet, sensor::PointBlock& block) {
   PacketOutcome outcome;
   if (packet.destination_port == position_port_ && position_port_ != port_) {
     velodyne::Position position;
@@ -77,21 +88,23 @@ PacketOutcome PacketStage::add_velodyne(const recording::Packet& packet) {
     }
   } else if (packet.destination_port != port_) {
     ++foreign_;
-  } else if (velodyne_.decode(packet.payload, packet.received, block_) == velodyne::DecodeResult::kOk) {
-    outcome.scan = assemble();
+  } else if (velodyne_.decode(packet.payload, packet.received, block) == velodyne::DecodeResult::kOk) {
+    stamp(block);
+    outcome.has_block = true;
   }
   return outcome;
 }
 
-PacketOutcome PacketStage::add_livox(const recording::Packet& packet) {
+PacketOutcome PacketStage::add_livox(const recording::Packet& packet, sensor::PointBlock& block) {
   PacketOutcome outcome;
   if (port_ != 0 && packet.destination_port != port_) {
     ++foreign_;
     return outcome;
   }
-  switch (livox_decoder_.decode(packet.payload, packet.received, block_, imu_reading_)) {
+  switch (livox_decoder_.decode(packet.payload, packet.received, block, imu_reading_)) {
     case livox::DecodeResult::kPoints:
-      outcome.scan = assemble();
+      stamp(block);
+      outcome.has_block = true;
       break;
     case livox::DecodeResult::kImu:
       if (takes_imu_) {
@@ -129,18 +142,6 @@ NamedCounts PacketStage::packets() const {
     add_if("refused_position", positions_refused_, false);
   }
   add_if("foreign_port", foreign_, true);
-  return counts;
-}
-
-NamedCounts PacketStage::blocks() const {
-  NamedCounts counts;
-  const sensor::ScanAssemblerCounts& scans = assembler_.counts();
-  counts.emplace_back("accepted", scans.blocks_accepted);
-  for (std::size_t i = 0; i < sensor::kBlockRefusals; ++i) {
-    const auto reason = static_cast<sensor::BlockRefusal>(i);
-    counts.emplace_back("refused_" + std::string(sensor::to_string(reason)), scans.refused_for(reason));
-  }
-  counts.emplace_back("missing", scans.blocks_missing);
   return counts;
 }
 

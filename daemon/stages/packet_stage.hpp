@@ -19,15 +19,20 @@ namespace slamd::stages {
 
 /// What a packet has brought.
 struct PacketOutcome {
-  const sensor::Scan* scan = nullptr;       // completed by this packet; valid until the next one completes
+  bool has_block = false;                   // the caller's block now holds its points
   std::optional<sensor::ImuSample> imu;     // from a built-in inertial sensor
 };
 
 /// Named counts, as reports show them.
 using NamedCounts = std::vector<std::pair<std::string, std::uint64_t>>;
 
-/// The receive stage of one LiDAR: packets to blocks on the time base to scans, by the model's decoder, its
-/// ClockModel and the ScanAssembler.
+/// Returns how a LiDAR's blocks are cut into scans.
+sensor::ScanAssemblerConfig assembler_config(const configuration::Configuration& configuration);
+
+/// Returns what happened to the blocks that an assembler did or did not take.
+NamedCounts named_counts(const sensor::ScanAssemblerCounts& counts);
+
+/// The receive stage of one LiDAR: packets to blocks on the time base, by the model's decoder and its ClockModel.
 ///
 /// Every packet is accounted for: data, position, inertial, foreign (another port), or refused by a named reason.
 /// Real-time: add() allocates nothing; receive thread only.
@@ -35,27 +40,21 @@ class PacketStage {
  public:
   explicit PacketStage(const configuration::Configuration& configuration);
 
-  PacketOutcome add(const recording::Packet& packet);
-
-  /// Returns the unfinished scan at the end of a recording, or nullptr.
-  const sensor::Scan* flush() { return assembler_.flush(); }
+  /// Decodes a packet; what `block` holds afterwards is valid only when the outcome says so.
+  PacketOutcome add(const recording::Packet& packet, sensor::PointBlock& block);
 
   /// Returns the packets by what became of them; the sum is what add() was given.
   NamedCounts packets() const;
-
-  /// Returns what happened to the blocks that the assembler did not take, and to its scans.
-  NamedCounts blocks() const;
 
   /// Says in words what is odd about the device, a line each.
   std::vector<std::string> remarks() const;
 
   const sensor::ClockHealth& clock() const { return clock_.health(); }
-  const sensor::ScanAssemblerCounts& scans() const { return assembler_.counts(); }
 
  private:
-  PacketOutcome add_velodyne(const recording::Packet& packet);
-  PacketOutcome add_livox(const recording::Packet& packet);
-  const sensor::Scan* assemble();
+  PacketOutcome add_velodyne(const recording::Packet& packet, sensor::PointBlock& block);
+  PacketOutcome add_livox(const recording::Packet& packet, sensor::PointBlock& block);
+  void stamp(sensor::PointBlock& block);
 
   bool livox_;
   bool takes_imu_;
@@ -64,8 +63,6 @@ class PacketStage {
   velodyne::Decoder velodyne_;
   livox::LivoxDecoder livox_decoder_;
   sensor::ClockModel clock_;
-  sensor::ScanAssembler assembler_;
-  sensor::PointBlock block_;      // scratch
   livox::ImuReading imu_reading_;  // scratch
   velodyne::Position position_;   // the last one
   std::uint64_t foreign_ = 0;

@@ -100,7 +100,7 @@ class Player {
   }
 
   Run finish() {
-    while (imu_.next() && is_waiting_ && imu_.next()->stamp <= waiting_.end + stages::FrontEnd::kImuPatience) {
+    while (imu_.next() && is_waiting_ && imu_.next()->stamp <= waiting_.end + stages::PreprocessStage::kImuPatience) {
       advance_to(imu_.next()->stamp);
     }
     if (is_waiting_) {
@@ -150,6 +150,8 @@ class Player {
 Run replay_packets(const Recording& recording, const Sinks& sinks) {
   recording::PcapReader reader(recording.lidar);
   stages::PacketStage packets(recording.configuration);
+  sensor::ScanAssembler assembler(stages::assembler_config(recording.configuration));
+  sensor::PointBlock block;
   Player player(recording, sinks);
   const double file_bytes = static_cast<double>(std::filesystem::file_size(recording.lidar)) + 1.0;
   double read_bytes = 0.0;
@@ -162,13 +164,14 @@ Run replay_packets(const Recording& recording, const Sinks& sinks) {
     now = std::max(now, packet.received);  // the clock does not run backwards for a reordered capture
     player.advance_to(now);
     const double begin_ms = thread_cpu_ms();
-    const stages::PacketOutcome outcome = packets.add(packet);
+    const stages::PacketOutcome outcome = packets.add(packet, block);
+    const Scan* scan = outcome.has_block ? assembler.add(block) : nullptr;
     decode_ms += thread_cpu_ms() - begin_ms;
     if (outcome.imu) {
       player.add_imu(*outcome.imu, now);
     }
-    if (outcome.scan != nullptr) {
-      player.add_scan(*outcome.scan, decode_ms, now);
+    if (scan != nullptr) {
+      player.add_scan(*scan, decode_ms, now);
       decode_ms = 0.0;
       if (sinks.progress) {
         sinks.progress(read_bytes / file_bytes);
@@ -176,7 +179,7 @@ Run replay_packets(const Recording& recording, const Sinks& sinks) {
     }
     read_bytes += static_cast<double>(packet.payload.size() + 58);
   }
-  if (const Scan* last = packets.flush(); last != nullptr) {
+  if (const Scan* last = assembler.flush(); last != nullptr) {
     player.advance_to(last->end);
     player.add_scan(*last, decode_ms, last->end);
   }
@@ -188,7 +191,7 @@ Run replay_packets(const Recording& recording, const Sinks& sinks) {
       run.packets.emplace_back(std::string("refused_") + name_of(kind), reader.counters().of(kind));
     }
   }
-  run.blocks = packets.blocks();
+  run.blocks = stages::named_counts(assembler.counts());
   run.remarks = packets.remarks();
   if (reader.counters().ended_in_a_record) {
     run.remarks.emplace_back("the capture ends in the middle of a record");

@@ -151,10 +151,10 @@ TEST(FrontEnd, StartsWithoutInertialSensorAtTheFirstCompleteScanButDoesNotWaitFo
   EXPECT_FALSE(patient.process(scan_of(0, false)));
   EXPECT_TRUE(patient.process(scan_of(1, true)));
   EXPECT_TRUE(patient.process(scan_of(2, false)));
-  for (int k = 0; k < FrontEnd::kIncompletePatience; ++k) {
+  for (int k = 0; k < PreprocessStage::kIncompletePatience; ++k) {
     EXPECT_FALSE(lossy.process(scan_of(k, false))) << k;
   }
-  EXPECT_TRUE(lossy.process(scan_of(FrontEnd::kIncompletePatience, false)));
+  EXPECT_TRUE(lossy.process(scan_of(PreprocessStage::kIncompletePatience, false)));
 }
 
 TEST(FrontEnd, SurvivesSilenceOfTheInertialSensorAndItsReturn) {
@@ -189,7 +189,7 @@ TEST(FrontEnd, WaitsForInertialSamplesButNotForEver) {
   sut.add_imu({scan.end - std::chrono::milliseconds(5), {}, {0.0, 0.0, 9.8}});
 
   EXPECT_FALSE(sut.ready_for(scan, scan.end + std::chrono::milliseconds(1)));
-  EXPECT_TRUE(sut.ready_for(scan, scan.end + FrontEnd::kImuPatience));
+  EXPECT_TRUE(sut.ready_for(scan, scan.end + PreprocessStage::kImuPatience));
   sut.add_imu({scan.end, {}, {0.0, 0.0, 9.8}});
   EXPECT_TRUE(sut.ready_for(scan, scan.end + std::chrono::milliseconds(1)));
 }

@@ -1,0 +1,137 @@
+#include "daemon/stages/preprocess_stage.hpp"
+
+#include <algorithm>
+#include <ctime>
+
+namespace slamd::stages {
+
+using sensor::ImuSample;
+
+namespace {
+
+/// Inertial samples that one scan carries to the odometry: a second at 1 kHz and more.
+constexpr std::size_t kMaxImuPerScan = 2048;
+
+}  // namespace
+
+double thread_cpu_ms() {
+  std::timespec now{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return 1e3 * static_cast<double>(now.tv_sec) + 1e-6 * static_cast<double>(now.tv_nsec);
+}
+
+std::span<const ImuSample> bracket(std::span<const ImuSample> samples, Stamp from, Stamp to) {
+  const auto before = [](const ImuSample& sample, Stamp stamp) { return sample.stamp < stamp; };
+  auto first = std::lower_bound(samples.begin(), samples.end(), from, before);
+  auto last = std::lower_bound(first, samples.end(), to, before);
+  if (first == samples.end()) {
+    return {};
+  }
+  if (first != samples.begin() && first->stamp > from) {
+    --first;
+  }
+  if (last != samples.end()) {
+    ++last;
+  }
+  return {first, last};
+}
+
+PreprocessedScan::PreprocessedScan(const odometry::OdometryConfig& config)
+    : deskewed(config.preprocess), imu(kMaxImuPerScan) {}
+
+PreprocessStage::PreprocessStage(const odometry::OdometryConfig& config)
+    : config_(config),
+      T_imu_lidar_(config.T_base_imu.inverse() * config.T_base_lidar),
+      imu_(sensor::ImuBufferConfig{}),
+      aligner_(config.start_up),
+      pending_imu_(kMaxImuPerScan),
+      motion_(config.preprocess.longest_scan),
+      preprocessor_(config.preprocess) {}
+
+void PreprocessStage::add_imu(const ImuSample& sample) {
+  if (!config_.use_imu || !imu_.push(sample)) {
+    return;
+  }
+  if (!pending_imu_.try_push_back(sample)) {
+    // Two seconds and more without a scan: the odometry needs the newest.
+    pending_imu_.clear();
+    pending_imu_.push_back(sample);
+  }
+  if (!alignment_) {
+    alignment_ = aligner_.add(sample, config_.T_base_imu);
+  }
+}
+
+bool PreprocessStage::ready_for(const sensor::Scan& scan, Stamp now) const {
+  return !config_.use_imu || (!imu_.empty() && imu_.newest().stamp >= scan.end) || now >= scan.end + kImuPatience;
+}
+
+bool PreprocessStage::start(const sensor::Scan& scan, PreprocessedScan& out) {
+  if (!config_.use_imu) {
+    // The first scan begins wherever the sensor happens to look: on a map of that sector the next one would settle askew.
+    if (!scan.complete && incomplete_passed_over_ < kIncompletePatience) {
+      ++incomplete_passed_over_;
+      return false;
+    }
+    out.start_without_imu = scan.end;
+    first_.state.stamp = scan.end;
+  } else if (alignment_ && alignment_->state.stamp <= scan.begin) {
+    out.start = alignment_;
+    first_.state = alignment_->state;
+  } else {
+    return false;
+  }
+  first_.indoor = config_.environment == odometry::Environment::kIndoor;
+  history_.fill(first_);
+  return true;
+}
+
+const Feedback& PreprocessStage::feedback_at(std::uint64_t sequence) const {
+  for (std::uint64_t back = 0; back < history_.size() && back <= sequence; ++back) {
+    const Feedback& feedback = history_[(sequence - back) % history_.size()];
+    if (feedback.sequence == sequence - back) {
+      return feedback;
+    }
+  }
+  return first_;
+}
+
+bool PreprocessStage::process(const sensor::Scan& scan, PreprocessedScan& out) {
+  out.start.reset();
+  out.start_without_imu.reset();
+  if (sequence_ == 0 && !start(scan, out)) {
+    return false;
+  }
+  const double begin_ms = thread_cpu_ms();
+  out.sequence = ++sequence_;
+  out.imu.assign(pending_imu_.view());
+  pending_imu_.clear();
+  deskew_and_extract(scan, out);
+  out.preprocess_ms = thread_cpu_ms() - begin_ms;
+  return true;
+}
+
+void PreprocessStage::deskew_and_extract(const sensor::Scan& scan, PreprocessedScan& out) {
+  const std::uint64_t wanted = sequence_ < 2 ? 0 : sequence_ - 2;
+  const Feedback& latest = feedback_at(wanted);
+  late_feedback_ += latest.sequence == wanted ? 0 : 1;
+  // Without samples (LiDAR only, or the sensor is silent) the scan is deskewed at constant velocity.
+  const std::span<const ImuSample> samples = bracket(imu_.samples(), latest.state.stamp, scan.end);
+  inertial::NavState earlier = latest.state;
+  if (samples.empty()) {
+    // A deskew that feeds on its own two scans old velocity rings: its characteristic polynomial has a root at −1.
+    // The mean of two scans moves it to 0.7.
+    const inertial::NavState& before = feedback_at(wanted == 0 ? 0 : wanted - 1).state;
+    earlier.v_odom_imu = 0.5 * (earlier.v_odom_imu + before.v_odom_imu);
+    earlier.gyro_bias = 0.5 * (earlier.gyro_bias + before.gyro_bias);
+  }
+  if (earlier.stamp >= scan.end || !scan.points_have_time) {
+    motion_.set_still(scan.begin, scan.end);
+  } else {
+    motion_.predict(earlier, samples, scan.begin, scan.end);
+  }
+  preprocessor_.process(scan, motion_, T_imu_lidar_, config_.T_base_imu, latest.indoor, out.deskewed);
+  imu_.drop_before(latest.state.stamp);
+}
+
+}  // namespace slamd::stages

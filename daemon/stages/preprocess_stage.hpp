@@ -1,0 +1,96 @@
+#pragma once
+
+#include <array>
+#include <optional>
+
+#include "core/base/bounded_vector.hpp"
+#include "core/geometry/se3.hpp"
+#include "core/inertial/start_up_alignment.hpp"
+#include "core/odometry/odometry_config.hpp"
+#include "core/scan/preprocessor.hpp"
+#include "core/sensor/imu_buffer.hpp"
+#include "core/sensor/scan.hpp"
+
+namespace slamd::stages {
+
+/// What the odometry tells the preprocess stage after a scan.
+struct Feedback {
+  std::uint64_t sequence = 0;
+  inertial::NavState state;
+  bool indoor = false;
+};
+
+/// A scan on its way from preprocess to odometry, with what belongs to it.
+struct PreprocessedScan {
+  explicit PreprocessedScan(const odometry::OdometryConfig& config);
+
+  std::uint64_t sequence = 0;                   // counts the scans handed over, from 1
+  std::optional<inertial::Alignment> start;     // on the first: where odom begins
+  std::optional<Stamp> start_without_imu;       // the same where there is no inertial sensor
+  scan::DeskewedScan deskewed;
+  BoundedVector<sensor::ImuSample> imu;         // accepted since the scan before, so that no scan loses any
+  Stamp received{};                             // arrival of the packet that completed the scan
+  double preprocess_ms = 0.0;                   // CPU time
+};
+
+/// The preprocess stage: levels odom, deskews and extracts features.
+///
+/// Deskew uses the state after scan k−2: the latest that is certain to be known when scan k is complete and scan k−1
+/// is still in the odometry. So a replay gives what the daemon gave.
+/// Real-time: allocates in the constructor only; preprocess thread only.
+class PreprocessStage {
+ public:
+  /// How long a scan waits for the inertial samples up to its end, in device time.
+  static constexpr Duration kImuPatience = std::chrono::milliseconds(20);
+  /// Scans that began late or have lost packets which a start without an inertial sensor lets pass before it takes one.
+  static constexpr int kIncompletePatience = 10;
+
+  explicit PreprocessStage(const odometry::OdometryConfig& config);
+
+  /// Takes an inertial sample in; levels odom with the first ones.
+  void add_imu(const sensor::ImuSample& sample);
+
+  /// Takes in what the odometry found.
+  void add_feedback(const Feedback& feedback) { history_[feedback.sequence % history_.size()] = feedback; }
+
+  /// Tells whether a scan can be processed now: the inertial samples reach its end, or it has waited enough.
+  bool ready_for(const sensor::Scan& scan, Stamp now) const;
+
+  /// Processes a scan into `out`; returns false while starting (the scan belongs to the time before the first state).
+  bool process(const sensor::Scan& scan, PreprocessedScan& out);
+
+  const sensor::ImuBuffer& imu() const { return imu_; }
+  const std::optional<inertial::Alignment>& alignment() const { return alignment_; }
+
+  /// Scans that were deskewed with an older state than k−2: the odometry was late.
+  std::uint64_t late_feedback() const { return late_feedback_; }
+
+ private:
+  bool start(const sensor::Scan& scan, PreprocessedScan& out);
+  const Feedback& feedback_at(std::uint64_t sequence) const;
+  void deskew_and_extract(const sensor::Scan& scan, PreprocessedScan& out);
+
+  odometry::OdometryConfig config_;
+  geometry::Se3 T_imu_lidar_;
+  sensor::ImuBuffer imu_;
+  inertial::StartUpAlignment aligner_;
+  std::optional<inertial::Alignment> alignment_;
+  int incomplete_passed_over_ = 0;
+  std::uint64_t sequence_ = 0;      // of the last scan handed over
+  std::uint64_t late_feedback_ = 0;
+  Feedback first_;                  // stands for all before the first scan
+  std::array<Feedback, 4> history_;  // by sequence
+  // scratch, sized once
+  BoundedVector<sensor::ImuSample> pending_imu_;
+  scan::ScanMotion motion_;
+  scan::Preprocessor preprocessor_;
+};
+
+/// Returns the samples that bracket [from, to]: one at or before, one at or after, and all between. Empty when
+/// none reaches into the interval.
+std::span<const sensor::ImuSample> bracket(std::span<const sensor::ImuSample> samples, Stamp from, Stamp to);
+
+/// CPU time of the calling thread.  Units: ms.
+double thread_cpu_ms();
+
+}  // namespace slamd::stages
