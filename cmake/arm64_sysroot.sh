@@ -4,7 +4,7 @@
 set -euo pipefail
 packages=libc6-dev,libstdc++-12-dev,libgcc-12-dev,linux-libc-dev
 packages+=,libeigen3-dev,libpcap-dev,libtomlplusplus-dev,libcli11-dev,libspdlog-dev,libfmt-dev,libpng-dev
-packages+=,nlohmann-json3-dev,libgeographiclib-dev,libgtest-dev,libgmock-dev,librapidcheck-dev
+packages+=,liblcm-dev,nlohmann-json3-dev,libgeographiclib-dev,libgtest-dev,libgmock-dev,librapidcheck-dev
 
 cache=${SLAMD_CACHE:-$HOME/.cache/slamd}
 root=$cache/arm64-sysroot

@@ -26,6 +26,9 @@ find_package(PNG REQUIRED)
 find_path(NLOHMANN_JSON_INCLUDE nlohmann/json.hpp REQUIRED)
 find_path(PCAP_INCLUDE pcap/pcap.h REQUIRED)
 find_library(PCAP_LIBRARY pcap REQUIRED)
+# Debian's liblcm-dev has no CMake package, and its lcm.pc asks for glib's headers, which nobody needs.
+find_path(LCM_INCLUDE lcm/lcm.h REQUIRED)
+find_library(LCM_LIBRARY lcm REQUIRED)
 
 slamd_third_party(eigen LIBRARIES Eigen3::Eigen)
 slamd_third_party(threads LIBRARIES Threads::Threads)
@@ -35,6 +38,7 @@ slamd_third_party(spdlog LIBRARIES spdlog::spdlog TRIPWIRES spdlog/spdlog.h)
 slamd_third_party(nlohmann_json INCLUDES ${NLOHMANN_JSON_INCLUDE} TRIPWIRES nlohmann/json.hpp)
 slamd_third_party(png LIBRARIES PNG::PNG TRIPWIRES png.h)
 slamd_third_party(pcap LIBRARIES ${PCAP_LIBRARY} INCLUDES ${PCAP_INCLUDE} TRIPWIRES pcap.h pcap/pcap.h)
+slamd_third_party(lcm LIBRARIES ${LCM_LIBRARY} INCLUDES ${LCM_INCLUDE} TRIPWIRES lcm/lcm.h lcm/lcm-cpp.hpp)
 
 if(SLAMD_BUILD_TESTS)
   find_package(GTest REQUIRED)
