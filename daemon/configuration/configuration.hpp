@@ -66,6 +66,13 @@ struct OutputConfiguration {
   double map_spacing_m = 0.10;
 };
 
+/// How the daemon's threads run; a replay has none.
+struct RealtimeConfiguration {
+  bool fifo = true;         // SCHED_FIFO where it is permitted
+  int priority = 50;        // of the odometry; the threads before it lie up to three higher
+  bool lock_memory = true;  // mlockall where it is permitted
+};
+
 /// Everything that a run is made of. Extrinsics reach the odometry through `resolved_odometry`.
 struct Configuration {
   LidarConfiguration lidar;
@@ -74,6 +81,7 @@ struct Configuration {
   GnssConfiguration gnss;
   odometry::OdometryConfig odometry;
   OutputConfiguration output;
+  RealtimeConfiguration realtime;
 };
 
 /// The names of [[lidar]] model, as configured.

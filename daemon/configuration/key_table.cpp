@@ -249,6 +249,9 @@ void add_odometry_keys(std::vector<Key>& keys) {
   keys.push_back(number("map.max_cells", 1000, 1e6, "Fine cells of 1 m; the oldest are recycled.", SLAMD_FIELD(odometry.map.max_cells)));
   keys.push_back(number("map.max_surface_cells", 1000, 4e6, "Coarse cells; the oldest are recycled.", SLAMD_FIELD(odometry.map.max_surface_cells)));
   keys.push_back(number("output.map_spacing_m", 0.02, 5.0, "Points of map.ply: one in a cube of this side.", SLAMD_FIELD(output.map_spacing_m)));
+  keys.push_back(boolean("realtime.fifo", "Live: threads under SCHED_FIFO where it is permitted.", SLAMD_FIELD(realtime.fifo)));
+  keys.push_back(number("realtime.priority", 1, 90, "Live: SCHED_FIFO priority of the odometry; the threads before it lie up to three higher.", SLAMD_FIELD(realtime.priority)));
+  keys.push_back(boolean("realtime.lock_memory", "Live: keep all memory in RAM where it is permitted.", SLAMD_FIELD(realtime.lock_memory)));
 }
 
 #undef SLAMD_FIELD

@@ -1,0 +1,187 @@
+#include "daemon/pipeline/health_monitor.hpp"
+
+#include <cstdio>
+
+#include "drivers/transport/udp_receiver.hpp"
+
+namespace slamd::pipeline {
+
+using bus::SensorHealth;
+using bus::SensorState;
+using bus::TimeState;
+using threads::Event;
+
+namespace {
+
+std::string with_seconds(const char* pattern, Duration duration) {
+  char text[96];
+  std::snprintf(text, sizeof text, pattern, to_seconds(duration));
+  return text;
+}
+
+float microseconds(Duration duration) { return static_cast<float>(1e6 * to_seconds(duration)); }
+
+bus::StageHealth stage(const char* name, const threads::StageMonitor& monitor) {
+  const threads::StageTime time = monitor.last_period();
+  return {name, microseconds(time.p50), microseconds(time.p99), microseconds(time.max), static_cast<std::uint32_t>(time.count)};
+}
+
+template <typename Resource>
+bus::PoolHealth pool_health(const char* name, const Resource& pool) {
+  return {name, static_cast<std::uint32_t>(pool.size()), static_cast<std::uint32_t>(pool.low_water())};
+}
+
+bool hears(const SensorCounts& counts, Stamp now) { return counts.last != Stamp{} && now - counts.last < ReceiveLoop::kSilent; }
+
+SensorState state_of(const SensorCounts& counts, Stamp now) {
+  if (counts.last == Stamp{}) {
+    return SensorState::kWaiting;
+  }
+  return hears(counts, now) ? SensorState::kRunning : SensorState::kSilent;
+}
+
+SensorHealth sensor_health(const std::string& name, const SensorCounts& counts, bool shared_clock, Stamp now) {
+  SensorHealth health;
+  health.name = std::string_view(name);
+  health.state = state_of(counts, now);
+  health.received = counts.received;
+  health.dropped = counts.dropped;
+  health.time_residual_us = microseconds(counts.clock_residual);
+  health.time_skew_ppm = static_cast<float>(1e6 * counts.clock_skew);
+  health.time_steps = static_cast<std::uint32_t>(counts.clock_steps);
+  if (counts.last != Stamp{}) {
+    health.time = shared_clock ? TimeState::kShared : TimeState::kLocked;
+  }
+  return health;
+}
+
+}  // namespace
+
+HealthMonitor::HealthMonitor(const configuration::Configuration& configuration, Stamp started)
+    : lidar_name_(name_of(configuration.lidar.model)),
+      imu_enabled_(configuration.imu.enabled),
+      shared_clock_(configuration.lidar.clock == configuration::SensorClock::kShared),
+      started_(started) {}
+
+void HealthMonitor::Rate::update(std::uint64_t new_count, Stamp now) {
+  constexpr Duration kPeriod = std::chrono::seconds(2);
+  if (at == Stamp{} || now - at >= kPeriod) {
+    hz = at == Stamp{} ? 0.0 : static_cast<double>(new_count - count) / to_seconds(now - at);
+    count = new_count;
+    at = now;
+  }
+}
+
+SensorHealth HealthMonitor::lidar(const Pipeline& pipeline, Stamp now) {
+  const ReceiveCounts receive = pipeline.receive().counts();
+  const PreprocessCounts scans = pipeline.preprocess().counts();
+  SensorHealth health = sensor_health(lidar_name_, receive.lidar, shared_clock_, now);
+  health.lost = scans.blocks_missing;
+  scans_.update(scans.scans, now);
+  health.rate_hz = static_cast<float>(scans_.hz);
+  return health;
+}
+
+SensorHealth HealthMonitor::imu(const Pipeline& pipeline, Stamp now) {
+  const ReceiveCounts receive = pipeline.receive().counts();
+  SensorHealth health = sensor_health("imu", receive.imu, shared_clock_, now);
+  health.lost = receive.imu.kernel_lost;
+  health.dropped += pipeline.preprocess().counts().imu_refused;
+  samples_.update(receive.imu.received, now);
+  health.rate_hz = static_cast<float>(samples_.hz);
+  return health;
+}
+
+void HealthMonitor::add_causes(const Pipeline& pipeline, Stamp now, bus::Health& health) const {
+  const auto say = [&](const std::string& words) { health.causes.try_push_back(bus::Text<79>(std::string_view(words))); };
+  const ReceiveCounts receive = pipeline.receive().counts();
+  const OdometryCounts odometry = pipeline.odometry().counts();
+  const auto judge = [&](const std::string& name, const SensorCounts& counts) {
+    if (counts.last == Stamp{}) {
+      say(name + (counts.dropped > 0 ? ": packets arrive, but none is the sensor's" : ": nothing received yet"));
+    } else if (!hears(counts, now)) {
+      say(with_seconds((name + ": silent for %.1f s").c_str(), now - counts.last));
+    }
+  };
+  judge(lidar_name_, receive.lidar);
+  if (imu_enabled_) {
+    judge("imu", receive.imu);
+  }
+  if (odometry.scans == 0) {
+    if (imu_enabled_ && !pipeline.preprocess().counts().aligned && receive.imu.last != Stamp{}) {
+      say("imu: being levelled");
+    }
+    return;
+  }
+  if (odometry.cause != odometry::Cause::kNone) {
+    say(odometry::name_of(odometry.cause));
+  }
+}
+
+bus::Health HealthMonitor::read(const Pipeline& pipeline, Stamp now) {
+  bus::Health health;
+  health.stamp = now;
+  health.uptime = now - started_;
+  const ReceiveCounts receive = pipeline.receive().counts();
+  const PreprocessCounts preprocess = pipeline.preprocess().counts();
+  const OdometryCounts odometry = pipeline.odometry().counts();
+  health.sensors.push_back(lidar(pipeline, now));
+  if (imu_enabled_) {
+    health.sensors.push_back(imu(pipeline, now));
+  }
+  health.state = static_cast<bus::State>(odometry.state);
+  const bool silent = !hears(receive.lidar, now) || (imu_enabled_ && !hears(receive.imu, now));
+  if (silent && health.state == bus::State::kTracking) {
+    health.state = bus::State::kDegraded;
+  }
+  health.weak_axes = odometry.weak_axes;
+  add_causes(pipeline, now, health);
+  health.stages.push_back(stage("receive", pipeline.receive().monitor()));
+  health.stages.push_back(stage("preprocess", pipeline.preprocess().monitor()));
+  health.stages.push_back(stage("odometry", pipeline.odometry().monitor()));
+  health.stages.push_back(stage("scan to pose", pipeline.publish().scan_monitor()));
+  health.stages.push_back(stage("imu to pose", pipeline.publish().pose_monitor()));
+  health.pools.push_back(pool_health("blocks", pipeline.rings().block_pool));
+  health.pools.push_back(pool_health("scans", pipeline.rings().job_pool));
+  const auto count = [&](const char* name, std::uint64_t value) { health.counters.push_back({name, value}); };
+  count("poses", pipeline.publish().counts().poses);
+  count("scans", odometry.scans);
+  count("scans_skipped", odometry.skipped);
+  count("scans_dropped", preprocess.scans_dropped);
+  count("blocks_dropped", receive.blocks_dropped);
+  count("kernel_lost", receive.lidar.kernel_lost + receive.imu.kernel_lost);
+  count("imu_late", preprocess.imu_late);
+  count("resets", pipeline.publish().counts().reset_counter);
+  health.swarm_use = odometry.scans == 0 ? 0.0F
+                                         : static_cast<float>(odometry.swarm_won) / static_cast<float>(odometry.scans);
+  health.particles = odometry.particles;
+  health.inlier_share = static_cast<float>(odometry.inlier_ratio);
+  return health;
+}
+
+std::string sentence(const threads::EventRecord& record) {
+  const auto number = std::to_string(record.value);
+  switch (record.event) {
+    case Event::kLidarHeard:
+      return "the LiDAR is heard, from " + transport::dotted(static_cast<std::uint32_t>(record.value));
+    case Event::kLidarSilent: return "the LiDAR has fallen silent";
+    case Event::kImuHeard: return "the inertial sensor is heard";
+    case Event::kImuSilent: return "the inertial sensor has fallen silent";
+    case Event::kSerialLost: return "the serial port is gone; it is tried again twice a second";
+    case Event::kSerialOpen: return "the serial port is open";
+    case Event::kBlockPoolEmpty: return "no free block: " + number + " packets dropped so far";
+    case Event::kScanDropped: return "no free job: " + number + " scans dropped so far";
+    case Event::kScanSkipped: return "the odometry is late: " + number + " scans skipped so far";
+    case Event::kImuLate: return number + " scans went on without their inertial samples so far";
+    case Event::kStarted:
+      return record.value == 2 ? "odometry begins, without inertial sensor"
+                               : (record.value == 1 ? "levelled at rest; odometry begins" : "levelled in motion; odometry begins");
+    case Event::kStateChanged:
+      return std::string(odometry::name_of(static_cast<odometry::State>(record.value / 256))) + ": " +
+             odometry::name_of(static_cast<odometry::Cause>(record.value % 256));
+    case Event::kPoseReset: return "the pose was corrected by more than its uncertainty (reset counter " + number + ")";
+  }
+  return "?";
+}
+
+}  // namespace slamd::pipeline

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <string>
+
+#include "daemon/bus/messages.hpp"
+#include "daemon/pipeline/pipeline.hpp"
+
+namespace slamd::pipeline {
+
+/// Makes the health page of what the threads show: states, causes in words, rates.
+/// Threads: housekeeping.
+class HealthMonitor {
+ public:
+  HealthMonitor(const configuration::Configuration& configuration, Stamp started);
+
+  bus::Health read(const Pipeline& pipeline, Stamp now);
+
+ private:
+  struct Rate {
+    std::uint64_t count = 0;
+    Stamp at{};
+    double hz = 0.0;
+
+    void update(std::uint64_t new_count, Stamp now);
+  };
+
+  bus::SensorHealth lidar(const Pipeline& pipeline, Stamp now);
+  bus::SensorHealth imu(const Pipeline& pipeline, Stamp now);
+  void add_causes(const Pipeline& pipeline, Stamp now, bus::Health& health) const;
+
+  std::string lidar_name_;
+  bool imu_enabled_;
+  bool shared_clock_;
+  Stamp started_;
+  Rate scans_;
+  Rate samples_;
+};
+
+/// Says an event in words.
+std::string sentence(const threads::EventRecord& record);
+
+}  // namespace slamd::pipeline

@@ -1,0 +1,99 @@
+#include "daemon/pipeline/pipeline.hpp"
+
+#include "core/map/cell_table.hpp"
+#include "core/map/voxel_map.hpp"
+
+namespace slamd::pipeline {
+
+using configuration::Configuration;
+using configuration::LidarModel;
+
+namespace {
+
+/// Threads look at least so often whether they are to end.
+constexpr Duration kLongestSleep = std::chrono::milliseconds(50);
+/// A second of 1 kHz.
+constexpr std::size_t kImuRing = 1024;
+
+/// A third of a second of packets: Avia 2,500/s, VLP-16 dual 1,508/s.
+std::size_t blocks_of(const Configuration& configuration) {
+  return configuration.lidar.model == LidarModel::kLivoxAvia ? 1024 : 512;
+}
+
+bus::PublisherConfig publisher_config(const Configuration& configuration) {
+  bus::PublisherConfig config;
+  config.url = configuration.lcm.url;
+  config.prefix = configuration.lcm.prefix;
+  config.scan_points = configuration.lcm.scan_points;
+  return config;
+}
+
+}  // namespace
+
+Pipeline::Pipeline(const Configuration& configuration, const transport::HostClock& clock)
+    : configuration_(configuration),
+      odometry_config_(resolved_odometry(configuration)),
+      rings_(odometry_config_, blocks_of(configuration), kImuRing),
+      publisher_(publisher_config(configuration)),
+      receive_(configuration, clock, rings_),
+      preprocess_(configuration, odometry_config_, clock, rings_),
+      odometry_(odometry_config_, clock, rings_),
+      publish_(odometry_config_, configuration.lidar.scan_period, clock, rings_, publisher_) {}
+
+Pipeline::~Pipeline() { stop(); }
+
+template <typename Loop>
+void Pipeline::run(const char* name, int priority, Loop& loop) {
+  const threads::Scheduling scheduling{configuration_.realtime.fifo, configuration_.realtime.priority + priority};
+  threads_.push_back(std::make_unique<threads::RealTimeThread>(name, scheduling, [this, &loop] {
+    while (!stopping_.load(std::memory_order_relaxed)) {
+      loop.run_once(kLongestSleep);
+    }
+  }));
+}
+
+void Pipeline::start() {
+  stopping_ = false;
+  // What is nearest to the sensors goes first: a packet that is not fetched is lost, a scan can wait.
+  run("slamd-odometry", 0, odometry_);
+  run("slamd-preproc", 1, preprocess_);
+  run("slamd-publish", 2, publish_);
+  run("slamd-receive", 3, receive_);
+}
+
+void Pipeline::stop() {
+  stopping_ = true;
+  threads_.clear();
+}
+
+bool Pipeline::is_fifo() const {
+  bool all = !threads_.empty();
+  for (const auto& thread : threads_) {
+    all = all && thread->is_fifo();
+  }
+  return all;
+}
+
+std::vector<MemoryItem> memory_plan(const Configuration& configuration) {
+  const odometry::OdometryConfig& odometry = configuration.odometry;
+  const scan::PreprocessConfig& scan = odometry.preprocess;
+  const std::size_t job_bytes = sizeof(ScanJob) + scan.max_planar * sizeof(scan::FeaturePoint) +
+                                scan.max_edge * sizeof(scan::FeaturePoint) + scan.max_map_points * sizeof(Eigen::Vector3f) +
+                                2048 * sizeof(sensor::ImuSample);
+  // Per point of a scan: usable, shape, deskewed, candidate, order, range, roughness, break, two sampler slots.
+  constexpr std::size_t kScratchPerPoint = 1 + 1 + sizeof(Eigen::Vector3f) + 4 + 4 + 4 + 4 + 1 + 4 * 16;
+  return {
+      {"packet blocks", blocks_of(configuration), sizeof(sensor::PointBlock)},
+      {"scan jobs", Rings::kJobs, job_bytes},
+      {"inertial samples in rings", 2 * kImuRing, sizeof(ImuArrival)},
+      {"inertial samples kept", 3 * 2 * sensor::ImuBufferConfig{}.capacity, sizeof(sensor::ImuSample)},
+      {"scans being assembled or waiting", 3 * scan.max_points, sizeof(sensor::Point)},
+      {"preprocess scratch", scan.max_points, kScratchPerPoint},
+      {"map, fine cells", odometry.map.max_cells, sizeof(map::PointCell) + 32 + 2 * sizeof(std::uint32_t)},
+      {"map, coarse cells", odometry.map.max_surface_cells + odometry.map.max_surface_cells / 6,
+       sizeof(map::SurfaceCell) + 32 + 2 * sizeof(std::uint32_t)},
+      {"thread stacks", 4, threads::RealTimeThread::kStackBytes},
+  };
+}
+
+}  // namespace slamd::pipeline

@@ -1,0 +1,95 @@
+#pragma once
+
+#include <atomic>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "daemon/bus/publisher.hpp"
+#include "daemon/configuration/configuration.hpp"
+#include "daemon/pipeline/odometry_loop.hpp"
+#include "daemon/pipeline/preprocess_loop.hpp"
+#include "daemon/pipeline/publish_loop.hpp"
+#include "daemon/pipeline/receive_loop.hpp"
+#include "daemon/pipeline/rings.hpp"
+#include "daemon/threads/real_time_thread.hpp"
+
+namespace slamd::pipeline {
+
+/// The daemon's real-time threads and all that passes between them, on one page.
+///
+///   sockets, tty ─▶ receive ──blocks──▶ preprocess ──jobs──▶ odometry ──jobs──▶ publish ─▶ LCM
+///                      │  └──inertial──────▲   ▲───feedback───┘                   ▲
+///                      └──inertial────────────────────────────────────────────────┘
+///
+/// Rings and pools: rings.hpp says how long each is and what happens when it is full. A late odometry takes the newest
+/// scan; nothing waits for anything that comes after it.
+/// Housekeeping (the caller's thread) reads counts and events, and sets the map's placement.
+/// Errors: the constructor throws transport::TransportError, bus::BusError, configuration::ConfigurationError.
+/// Real-time: everything is allocated in the constructor.
+class Pipeline {
+ public:
+  Pipeline(const configuration::Configuration& configuration, const transport::HostClock& clock);
+  ~Pipeline();
+  Pipeline(const Pipeline&) = delete;
+  Pipeline& operator=(const Pipeline&) = delete;
+
+  void start();
+
+  /// Ends the threads; what is under way is given up.
+  void stop();
+
+  /// Whether every thread runs under SCHED_FIFO, as configured.
+  bool is_fifo() const;
+
+  const ReceiveLoop& receive() const { return receive_; }
+  const PreprocessLoop& preprocess() const { return preprocess_; }
+  const OdometryLoop& odometry() const { return odometry_; }
+  const PublishLoop& publish() const { return publish_; }
+  const Rings& rings() const { return rings_; }
+  bus::Publisher& publisher() { return publisher_; }
+
+  /// Sets where odom lies in map. Housekeeping only.
+  void place(const MapPlacement& placement) { publish_.place(placement); }
+
+  /// Calls visit(thread's name, EventRecord) for each event since the last call. Housekeeping only.
+  template <typename Visit>
+  void read_events(Visit&& visit) {
+    const auto drain = [&](const char* thread, threads::EventRing& ring) {
+      while (const auto record = ring.try_read()) {
+        visit(thread, *record);
+      }
+    };
+    drain("receive", receive_.events());
+    drain("preprocess", preprocess_.events());
+    drain("odometry", odometry_.events());
+    drain("publish", publish_.events());
+  }
+
+ private:
+  template <typename Loop>
+  void run(const char* name, int priority, Loop& loop);
+
+  configuration::Configuration configuration_;
+  odometry::OdometryConfig odometry_config_;
+  Rings rings_;
+  bus::Publisher publisher_;
+  ReceiveLoop receive_;
+  PreprocessLoop preprocess_;
+  OdometryLoop odometry_;
+  PublishLoop publish_;
+  std::atomic<bool> stopping_{false};  // written by stop(), read by all threads
+  std::vector<std::unique_ptr<threads::RealTimeThread>> threads_;  // last: they end before what they work on
+};
+
+/// A pool, ring or table and what it takes.
+struct MemoryItem {
+  std::string name;
+  std::size_t count = 0;
+  std::size_t item_bytes = 0;
+};
+
+/// Returns what a pipeline of this configuration reserves, for --memory-plan.
+std::vector<MemoryItem> memory_plan(const configuration::Configuration& configuration);
+
+}  // namespace slamd::pipeline

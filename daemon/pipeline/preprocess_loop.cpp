@@ -1,0 +1,123 @@
+#include "daemon/pipeline/preprocess_loop.hpp"
+
+#include <algorithm>
+#include <numeric>
+
+#include "daemon/stages/packet_stage.hpp"
+
+namespace slamd::pipeline {
+
+using threads::Event;
+
+namespace {
+
+/// How often a scan that waits for its inertial samples is looked at.
+constexpr Duration kWaitingStep = std::chrono::milliseconds(2);
+
+}  // namespace
+
+PreprocessLoop::PreprocessLoop(const configuration::Configuration& configuration, const odometry::OdometryConfig& odometry,
+                               const transport::HostClock& clock, Rings& rings)
+    : config_(odometry),
+      clock_(clock),
+      rings_(rings),
+      assembler_(stages::assembler_config(configuration)),
+      stage_(odometry),
+      waiting_(odometry.preprocess.max_points) {}
+
+void PreprocessLoop::run_once(Duration longest) {
+  rings_.wake_preprocess.wait(is_waiting_ ? std::min(longest, kWaitingStep) : longest);
+  while (const auto feedback = rings_.feedback.try_pop()) {
+    stage_.add_feedback(*feedback);
+  }
+  take_imu();
+  release(clock_.now());
+  take_blocks();
+  release(clock_.now());
+  show();
+}
+
+void PreprocessLoop::take_imu() {
+  while (const auto arrival = rings_.imu_to_preprocess.try_pop()) {
+    stage_.add_imu(arrival->sample);
+  }
+}
+
+void PreprocessLoop::take_blocks() {
+  while (auto block = rings_.blocks.try_pop()) {
+    const sensor::PointBlock& points = **block;
+    if (const sensor::Scan* scan = assembler_.add(points)) {
+      add_scan(*scan, points.received);
+    }
+    block->reset();
+  }
+}
+
+void PreprocessLoop::add_scan(const sensor::Scan& scan, Stamp received) {
+  const Stamp now = clock_.now();
+  if (is_waiting_) {
+    process(waiting_, waiting_received_, now);
+  }
+  if (stage_.ready_for(scan, now)) {
+    process(scan, received, now);
+    return;
+  }
+  // Its inertial samples are still on their way; the assembler will want its memory back.
+  is_waiting_ = true;
+  waiting_received_ = received;
+  waiting_.index = scan.index;
+  waiting_.begin = scan.begin;
+  waiting_.end = scan.end;
+  waiting_.points_have_time = scan.points_have_time;
+  waiting_.complete = scan.complete;
+  waiting_.points_dropped = scan.points_dropped;
+  waiting_.points.assign(scan.points.view());
+}
+
+void PreprocessLoop::release(Stamp now) {
+  if (is_waiting_ && stage_.ready_for(waiting_, now)) {
+    process(waiting_, waiting_received_, now);
+  }
+}
+
+void PreprocessLoop::process(const sensor::Scan& scan, Stamp received, Stamp now) {
+  is_waiting_ = false;
+  if (!job_) {
+    job_ = rings_.job_pool.acquire();
+  }
+  if (!job_) {
+    ++counts_.scans_dropped;
+    events_.write(now, Event::kScanDropped, counts_.scans_dropped);
+    return;
+  }
+  if (config_.use_imu && (stage_.imu().empty() || stage_.imu().newest().stamp < scan.end)) {
+    ++counts_.imu_late;
+  }
+  if (!stage_.process(scan, job_->scan)) {
+    return;  // still starting
+  }
+  job_->processed = false;
+  job_->scan.received = received;
+  if (job_->scan.start || job_->scan.start_without_imu) {
+    events_.write(now, Event::kStarted, job_->scan.start ? (job_->scan.start->at_rest ? 1 : 0) : 2);
+  }
+  rings_.to_odometry.try_push(std::move(job_));  // as long as its pool: there is room
+  rings_.wake_odometry.notify();
+  const Stamp end = clock_.now();
+  monitor_.add(end - now, end);
+}
+
+void PreprocessLoop::show() {
+  const sensor::ScanAssemblerCounts& scans = assembler_.counts();
+  counts_.scans = scans.scans;
+  counts_.scans_incomplete = scans.scans_incomplete;
+  counts_.blocks_missing = scans.blocks_missing;
+  counts_.blocks_refused = std::accumulate(scans.blocks_refused.begin(), scans.blocks_refused.end(), std::uint64_t{0});
+  counts_.late_feedback = stage_.late_feedback();
+  const auto& refused = stage_.imu().counts().refused;
+  counts_.imu_refused = std::accumulate(refused.begin(), refused.end(), std::uint64_t{0});
+  counts_.aligned = stage_.alignment().has_value() || !config_.use_imu;
+  shown_.store(counts_);
+}
+
+}  // namespace slamd::pipeline

@@ -1,0 +1,76 @@
+#pragma once
+
+#include "daemon/bus/publisher.hpp"
+#include "daemon/pipeline/rings.hpp"
+#include "daemon/threads/event_ring.hpp"
+#include "daemon/threads/stage_monitor.hpp"
+#include "drivers/transport/host_clock.hpp"
+
+namespace slamd::pipeline {
+
+/// Where odom lies in map, as a command has set it. Threads: housekeeping stores, publish loads.
+struct MapPlacement {
+  double x_m = 0.0;
+  double y_m = 0.0;
+  double z_m = 0.0;
+  double yaw_rad = 0.0;
+  std::uint32_t correction_id = 0;
+  bus::Correction cause = bus::Correction::kStart;
+};
+
+/// What the publish thread shows.
+struct PublishCounts {
+  std::uint64_t poses = 0;
+  std::uint64_t scans = 0;
+  std::uint32_t reset_counter = 0;
+  Stamp last_pose{};  // its stamp
+  // The newest pose, for the health page and for "set-pose".
+  double x_m = 0.0;
+  double y_m = 0.0;
+  double z_m = 0.0;
+  double yaw_rad = 0.0;
+};
+
+/// The publish thread: a pose for every inertial sample, a scan for every scan, map → odom on change and once a second.
+/// Threads: run_once() by one; place() by one other; counts() by any.
+/// Real-time: allocates in the constructor only, but for LCM itself (platform: none on udpm); takes LCM's mutex.
+class PublishLoop {
+ public:
+  PublishLoop(const odometry::OdometryConfig& config, Duration scan_period, const transport::HostClock& clock,
+              Rings& rings, bus::Publisher& publisher);
+
+  /// Sleeps until there is something to say, at most `longest`, and says it.
+  void run_once(Duration longest);
+
+  /// Sets where odom lies in map, from now on.
+  void place(const MapPlacement& placement) { placement_.store(placement); }
+
+  PublishCounts counts() const { return shown_.load().value_or(PublishCounts{}); }
+  threads::EventRing& events() { return events_; }
+  const threads::StageMonitor& pose_monitor() const { return pose_monitor_; }  // arrival of the sample → sent
+  const threads::StageMonitor& scan_monitor() const { return scan_monitor_; }  // last packet of the scan → in the poses
+
+ private:
+  void take_job(ScanJob& job);
+  void take_imu(const ImuArrival& arrival);
+  void send(const stages::PredictedPose& pose);
+  void send_placement(Stamp now);
+
+  odometry::OdometryConfig config_;
+  transport::HostClock clock_;
+  Rings& rings_;
+  bus::Publisher& publisher_;
+  stages::PoseStage stage_;
+  Stamp last_placement_sent_{};
+  std::uint64_t placement_version_ = 0;
+  std::uint32_t correction_id_ = 0;
+  PublishCounts counts_;
+  Latest<MapPlacement> placement_;  // written by housekeeping, read here
+  // Written by the publish thread, read by health.
+  Latest<PublishCounts> shown_;
+  threads::EventRing events_;
+  threads::StageMonitor pose_monitor_;
+  threads::StageMonitor scan_monitor_;
+};
+
+}  // namespace slamd::pipeline

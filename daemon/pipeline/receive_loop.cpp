@@ -1,0 +1,281 @@
+#include "daemon/pipeline/receive_loop.hpp"
+
+#include <algorithm>
+#include <cerrno>
+#include <system_error>
+
+#include <sys/epoll.h>
+#include <unistd.h>
+
+namespace slamd::pipeline {
+
+using configuration::Configuration;
+using configuration::ConfigurationError;
+using configuration::LidarModel;
+using configuration::SensorClock;
+using threads::Event;
+using transport::Datagram;
+using transport::UdpReceiver;
+
+namespace {
+
+constexpr std::uint16_t kVelodynePort = 2368;
+constexpr std::uint16_t kLivoxPort = 56001;  // the SDK's choice for the first device
+constexpr Duration kShowPeriod = std::chrono::milliseconds(100);
+constexpr Duration kSerialRetry = std::chrono::milliseconds(500);
+/// Silent for so long, the sensor may come back with another address.
+constexpr Duration kForgetSource = std::chrono::seconds(3);
+
+bool is_livox(const Configuration& configuration) { return configuration.lidar.model == LidarModel::kLivoxAvia; }
+
+std::uint16_t data_port(const Configuration& configuration) {
+  if (configuration.lidar.port != 0) {
+    return static_cast<std::uint16_t>(configuration.lidar.port);
+  }
+  return is_livox(configuration) ? kLivoxPort : kVelodynePort;
+}
+
+sensor::ClockConfig imu_clock_config(const Configuration& configuration) {
+  sensor::ClockConfig config;
+  config.kind = configuration.imu.clock == SensorClock::kShared ? sensor::ClockKind::kShared : sensor::ClockKind::kEstimated;
+  return config;
+}
+
+std::unique_ptr<UdpReceiver> receiver(const Configuration& configuration, std::uint16_t port, const transport::HostClock& clock) {
+  transport::UdpReceiverConfig config;
+  config.bind_address = configuration.lidar.bind_address;
+  config.source_address = configuration.lidar.source_address;
+  config.port = port;
+  return std::make_unique<UdpReceiver>(config, clock);
+}
+
+}  // namespace
+
+ReceiveLoop::ReceiveLoop(const Configuration& configuration, const transport::HostClock& clock, Rings& rings)
+    : clock_(clock), rings_(rings), packets_(configuration), imu_clock_(imu_clock_config(configuration)) {
+  if (configuration.lidar.model == LidarModel::kPoints) {
+    throw ConfigurationError("lidar.model = \"points\": a folder of clouds is for slamd-replay; slamd listens to sensors");
+  }
+  epoll_ = epoll_create1(EPOLL_CLOEXEC);
+  if (epoll_ < 0) {
+    throw std::system_error(errno, std::generic_category(), "epoll");
+  }
+  lidar_ = receiver(configuration, data_port(configuration), clock);
+  watch(lidar_->fd(), kLidar);
+  const auto position_port = static_cast<std::uint16_t>(configuration.lidar.position_port);
+  if (!is_livox(configuration) && position_port != 0 && position_port != data_port(configuration)) {
+    position_ = receiver(configuration, position_port, clock);
+    watch(position_->fd(), kPosition);
+  }
+  if (configuration.imu.enabled) {
+    open_imu(configuration, clock);
+  }
+}
+
+ReceiveLoop::~ReceiveLoop() { close(epoll_); }
+
+void ReceiveLoop::open_imu(const Configuration& configuration, const transport::HostClock& clock) {
+  const std::string& source = configuration.imu.source;
+  if (source == "livox") {
+    takes_livox_imu_ = true;
+  } else if (source == "udp") {
+    transport::UdpReceiverConfig config;
+    config.bind_address = configuration.lidar.bind_address;
+    config.port = static_cast<std::uint16_t>(configuration.imu.port);
+    imu_udp_ = std::make_unique<UdpReceiver>(config, clock);
+    watch(imu_udp_->fd(), kImu);
+  } else if (source == "serial") {
+    transport::SerialPortConfig config;
+    config.device = configuration.imu.device;
+    config.baud = configuration.imu.baud;
+    imu_serial_ = std::make_unique<transport::SerialPort>(config);
+    open_serial();
+  } else {
+    throw ConfigurationError("imu.source = \"" + source + "\": a file is for slamd-replay; slamd takes livox, udp or serial");
+  }
+}
+
+void ReceiveLoop::watch(int fd, Source source) {
+  epoll_event event{};
+  event.events = EPOLLIN;
+  event.data.u32 = source;
+  if (epoll_ctl(epoll_, EPOLL_CTL_ADD, fd, &event) != 0) {
+    throw std::system_error(errno, std::generic_category(), "epoll");
+  }
+}
+
+void ReceiveLoop::run_once(Duration longest) {
+  std::array<epoll_event, 4> events{};
+  const auto timeout_ms = static_cast<int>(std::chrono::duration_cast<std::chrono::milliseconds>(longest).count());
+  const int ready = epoll_wait(epoll_, events.data(), static_cast<int>(events.size()), timeout_ms);
+  for (int i = 0; i < ready; ++i) {
+    switch (events[static_cast<std::size_t>(i)].data.u32) {
+      case kLidar: receive_lidar(*lidar_); break;
+      case kPosition: receive_lidar(*position_); break;
+      default: receive_imu(); break;
+    }
+  }
+  const Stamp now = clock_.now();
+  if (imu_serial_ && !imu_serial_->is_open() && now >= next_serial_try_) {
+    open_serial();
+  }
+  if (now - last_shown_ >= kShowPeriod) {
+    show(now);
+  }
+}
+
+void ReceiveLoop::receive_lidar(UdpReceiver& receiver) {
+  receiver.receive([&](const Datagram& datagram) { take_packet(datagram, receiver); });
+}
+
+void ReceiveLoop::take_packet(const Datagram& datagram, UdpReceiver& receiver) {
+  BlockPool::Handle block = rings_.block_pool.acquire();
+  recording::Packet packet;
+  packet.received = datagram.received;
+  packet.destination_port = datagram.destination_port;
+  packet.payload = datagram.payload;
+  const stages::PacketOutcome outcome = packets_.add(packet, block ? *block : scrap_);
+  if (!outcome.has_block) {
+    if (block) {
+      rings_.block_pool.put_back(std::move(block));
+    }
+    if (outcome.imu) {
+      ++counts_.imu.received;
+      counts_.imu.last = datagram.received;
+      hand_on({*outcome.imu, datagram.received});
+    } else {
+      ++other_packets_;
+      return;
+    }
+  } else {
+    ++counts_.lidar.received;
+    counts_.lidar.last = datagram.received;
+    if (!receiver.pinned()) {
+      receiver.pin(datagram.source_address);
+      if (position_) {
+        position_->pin(datagram.source_address);
+      }
+      counts_.lidar.source_address = datagram.source_address;
+    }
+    if (!block) {
+      ++counts_.blocks_dropped;
+    } else {
+      rings_.blocks.try_push(std::move(block));  // as long as its pool: there is room
+      rings_.wake_preprocess.notify();
+    }
+  }
+  const Stamp now = clock_.now();
+  monitor_.add(now - datagram.received, now);
+}
+
+void ReceiveLoop::receive_imu() {
+  if (imu_serial_) {
+    read_serial();
+    return;
+  }
+  imu_udp_->receive([&](const Datagram& datagram) {
+    imu_rows_.add_datagram(datagram.payload, datagram.received, [&](const sensor::ImuReading& reading) {
+      imu_udp_->pin(datagram.source_address);
+      take_reading(reading);
+    });
+  });
+}
+
+void ReceiveLoop::read_serial() {
+  const auto bytes = imu_serial_->read();
+  if (!bytes.empty()) {
+    imu_rows_.add_stream(bytes, clock_.now(), [&](const sensor::ImuReading& reading) { take_reading(reading); });
+  } else if (!imu_serial_->is_open()) {
+    events_.write(clock_.now(), Event::kSerialLost);
+    next_serial_try_ = clock_.now() + kSerialRetry;
+  }
+}
+
+void ReceiveLoop::open_serial() {
+  const int error = imu_serial_->open();
+  if (error == 0) {
+    imu_rows_.restart_stream();
+    watch(imu_serial_->fd(), kImu);
+    events_.write(clock_.now(), Event::kSerialOpen);
+  }
+  next_serial_try_ = clock_.now() + kSerialRetry;
+}
+
+void ReceiveLoop::take_reading(const sensor::ImuReading& reading) {
+  ++counts_.imu.received;
+  counts_.imu.last = reading.received;
+  hand_on({{imu_clock_.map(reading.device_stamp, reading.received), reading.angular_rate_radps, reading.specific_force_mps2},
+           reading.received});
+}
+
+void ReceiveLoop::hand_on(const ImuArrival& arrival) {
+  const bool to_publish = rings_.imu_to_publish.try_push(arrival);
+  const bool to_preprocess = rings_.imu_to_preprocess.try_push(arrival);
+  counts_.samples_dropped += (to_publish ? 0 : 1) + (to_preprocess ? 0 : 1);
+  rings_.wake_publish.notify();
+  rings_.wake_preprocess.notify();
+}
+
+void ReceiveLoop::note_silence(SensorCounts& counts, bool& heard, Event event_heard, Event event_silent, Stamp now) {
+  const bool hears = counts.last != Stamp{} && now - counts.last < kSilent;
+  if (hears != heard) {
+    heard = hears;
+    events_.write(now, hears ? event_heard : event_silent, counts.source_address);
+  }
+}
+
+void ReceiveLoop::show(Stamp now) {
+  last_shown_ = now;
+  note_silence(counts_.lidar, lidar_heard_, Event::kLidarHeard, Event::kLidarSilent, now);
+  note_silence(counts_.imu, imu_heard_, Event::kImuHeard, Event::kImuSilent, now);
+  if (counts_.lidar.last != Stamp{} && now - counts_.lidar.last > kForgetSource) {
+    lidar_->unpin();
+    if (position_) {
+      position_->unpin();
+    }
+  }
+  const transport::UdpCounters udp = lidar_->counters();
+  counts_.lidar.kernel_lost = udp.kernel_lost;
+  counts_.lidar.dropped = udp.foreign_source + udp.truncated + other_packets_ + counts_.blocks_dropped;
+  const sensor::ClockHealth& clock = packets_.clock();
+  counts_.lidar.clock_steps = clock.steps;
+  counts_.lidar.clock_skew = clock.skew;
+  counts_.lidar.clock_residual = clock.residual_mean;
+  const sensor::ClockHealth& imu_clock = takes_livox_imu_ ? clock : imu_clock_.health();
+  counts_.imu.clock_steps = imu_clock.steps;
+  counts_.imu.clock_skew = imu_clock.skew;
+  counts_.imu.clock_residual = imu_clock.residual_mean;
+  if (imu_udp_) {
+    counts_.imu.kernel_lost = imu_udp_->counters().kernel_lost;
+  }
+  const imu::RowCounters rows = imu_rows_.counters();
+  counts_.imu.dropped = 0;
+  for (std::size_t i = 1; i < imu::kRowResults; ++i) {
+    counts_.imu.dropped += rows.rows[i];
+  }
+  shown_.store(counts_);
+}
+
+stages::NamedCounts ReceiveLoop::packets() const {
+  stages::NamedCounts counts = packets_.packets();
+  const auto add = [&](const char* name, std::uint64_t count) {
+    if (count != 0) {
+      counts.emplace_back(name, count);
+    }
+  };
+  transport::UdpCounters sum = lidar_->counters();
+  if (position_) {
+    const transport::UdpCounters more = position_->counters();
+    sum.foreign_source += more.foreign_source;
+    sum.truncated += more.truncated;
+    sum.kernel_lost += more.kernel_lost;
+  }
+  add("refused_foreign_source", sum.foreign_source);
+  add("refused_truncated", sum.truncated);
+  add("lost_in_the_kernel", sum.kernel_lost);
+  return counts;
+}
+
+std::string ReceiveLoop::buffer_remark() const { return lidar_->buffer_remark(); }
+
+}  // namespace slamd::pipeline

@@ -1,0 +1,67 @@
+#pragma once
+
+#include "core/base/pool.hpp"
+#include "core/base/spsc_queue.hpp"
+#include "core/sensor/imu_sample.hpp"
+#include "core/sensor/point_block.hpp"
+#include "daemon/stages/odometry_stage.hpp"
+#include "daemon/stages/pose_stage.hpp"
+#include "daemon/stages/preprocess_stage.hpp"
+#include "daemon/threads/wake_up.hpp"
+
+namespace slamd::pipeline {
+
+/// An inertial sample with its arrival at the host.
+struct ImuArrival {
+  sensor::ImuSample sample;
+  Stamp received{};
+};
+
+/// A scan on its way from preprocess through odometry to publish.
+struct ScanJob {
+  explicit ScanJob(const odometry::OdometryConfig& config) : scan(config) {}
+
+  stages::PreprocessedScan scan;
+  bool processed = false;  // false: the odometry was late and let it pass
+  odometry::OdometryResult result;
+  stages::Anchor anchor;
+};
+
+using BlockPool = Pool<sensor::PointBlock>;
+using JobPool = Pool<ScanJob>;
+
+/// All that passes between the threads.
+///
+/// A ring of handles is as long as its pool and so never overflows: an empty pool drops the newest block or scan, which
+/// its owner counts. The other rings are as long as a second of their data; when full, the newest is dropped, counted.
+struct Rings {
+  Rings(const odometry::OdometryConfig& config, std::size_t blocks, std::size_t imu_samples)
+      : block_pool(blocks),
+        job_pool(kJobs, config),
+        blocks(blocks),
+        imu_to_preprocess(imu_samples),
+        imu_to_publish(imu_samples),
+        to_odometry(kJobs),
+        to_publish(kJobs),
+        feedback(2 * kJobs) {}
+
+  /// One in each of preprocess, odometry and publish, and one on its way.
+  static constexpr std::size_t kJobs = 4;
+
+  // Pools come first: they must outlive the handles in the rings.
+  BlockPool block_pool;  // acquired by receive, released by preprocess
+  JobPool job_pool;      // acquired by preprocess, released by publish
+
+  SpscQueue<BlockPool::Handle> blocks;           // receive    → preprocess
+  SpscQueue<ImuArrival> imu_to_preprocess;       // receive    → preprocess
+  SpscQueue<ImuArrival> imu_to_publish;          // receive    → publish
+  SpscQueue<JobPool::Handle> to_odometry;        // preprocess → odometry
+  SpscQueue<JobPool::Handle> to_publish;         // odometry   → publish
+  SpscQueue<stages::Feedback> feedback;          // odometry   → preprocess
+
+  threads::WakeUp wake_preprocess;
+  threads::WakeUp wake_odometry;
+  threads::WakeUp wake_publish;
+};
+
+}  // namespace slamd::pipeline

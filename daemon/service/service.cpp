@@ -1,0 +1,219 @@
+#include "daemon/service/service.hpp"
+
+#include <cerrno>
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <optional>
+#include <stdexcept>
+
+#include <poll.h>
+#include <sched.h>
+#include <signal.h>
+#include <spdlog/sinks/stdout_sinks.h>
+#include <spdlog/spdlog.h>
+#include <sys/mman.h>
+#include <sys/signalfd.h>
+#include <unistd.h>
+
+#include "core/geometry/so3.hpp"
+#include "daemon/bus/command_listener.hpp"
+#include "daemon/pipeline/health_monitor.hpp"
+#include "daemon/pipeline/pipeline.hpp"
+
+namespace slamd::service {
+
+using configuration::Configuration;
+
+namespace {
+
+constexpr Duration kHealthPeriod = std::chrono::milliseconds(500);
+constexpr int kHousekeepingPeriod_ms = 100;
+
+/// SIGTERM and SIGINT as something to poll, blocked in all threads that are made afterwards.
+class Signals {
+ public:
+  Signals() {
+    sigset_t set;
+    sigemptyset(&set);
+    sigaddset(&set, SIGTERM);
+    sigaddset(&set, SIGINT);
+    pthread_sigmask(SIG_BLOCK, &set, nullptr);
+    fd_ = signalfd(-1, &set, SFD_NONBLOCK | SFD_CLOEXEC);
+    signal(SIGPIPE, SIG_IGN);
+  }
+  ~Signals() { close(fd_); }
+  Signals(const Signals&) = delete;
+  Signals& operator=(const Signals&) = delete;
+
+  int fd() const { return fd_; }
+
+  /// The signal that came, or 0.
+  int read() {
+    signalfd_siginfo info{};
+    return ::read(fd_, &info, sizeof info) == static_cast<ssize_t>(sizeof info) ? static_cast<int>(info.ssi_signo) : 0;
+  }
+
+ private:
+  int fd_ = -1;
+};
+
+void log_counts(const char* what, const stages::NamedCounts& counts) {
+  std::string text;
+  for (const auto& [name, count] : counts) {
+    text += (text.empty() ? "" : ", ") + name + " " + std::to_string(count);
+  }
+  spdlog::info("{}: {}", what, text);
+}
+
+/// What housekeeping does while the threads run.
+class Housekeeping {
+ public:
+  Housekeeping(const Configuration& configuration, const transport::HostClock& clock, pipeline::Pipeline& pipeline)
+      : clock_(clock), pipeline_(pipeline), health_(configuration, clock.now()), commands_(configuration.lcm.url, configuration.lcm.prefix) {}
+
+  int command_fd() const { return commands_.fd(); }
+
+  void run_once() {
+    const Stamp now = clock_.now();
+    pipeline_.read_events([](const char* thread, const threads::EventRecord& record) {
+      spdlog::info("{}: {}", thread, pipeline::sentence(record));
+    });
+    while (const auto command = commands_.poll(std::chrono::steady_clock::now())) {
+      commands_.answer(answer(*command));
+    }
+    if (now - last_health_ >= kHealthPeriod) {
+      last_health_ = now;
+      pipeline_.publisher().publish(health_.read(pipeline_, now));
+    }
+  }
+
+ private:
+  bus::Reply answer(const bus::Command& command) {
+    spdlog::info("command {}", command.verb);
+    if (command.verb == "set-pose") {
+      return {command.id, true, set_pose(command)};
+    }
+    // Said rather than pretended: these need parts that this release does not have.
+    return {command.id, false, command.verb + ": this release has no mapping service yet (see CHANGELOG)"};
+  }
+
+  /// Places odom so that base is where the command says; its arguments were checked by the listener.
+  std::string set_pose(const bus::Command& command) {
+    const double x_m = std::stod(command.arguments[0]);
+    const double y_m = std::stod(command.arguments[1]);
+    const double z_m = std::stod(command.arguments[2]);
+    const double yaw_rad = std::stod(command.arguments[3]) * M_PI / 180.0;
+    const pipeline::PublishCounts pose = pipeline_.publish().counts();
+    placement_.yaw_rad = yaw_rad - pose.yaw_rad;
+    const double c = std::cos(placement_.yaw_rad);
+    const double s = std::sin(placement_.yaw_rad);
+    placement_.x_m = x_m - (c * pose.x_m - s * pose.y_m);
+    placement_.y_m = y_m - (s * pose.x_m + c * pose.y_m);
+    placement_.z_m = z_m - pose.z_m;
+    ++placement_.correction_id;
+    placement_.cause = bus::Correction::kCommand;
+    pipeline_.place(placement_);
+    return "map placed, correction " + std::to_string(placement_.correction_id);
+  }
+
+  transport::HostClock clock_;
+  pipeline::Pipeline& pipeline_;
+  pipeline::HealthMonitor health_;
+  bus::CommandListener commands_;
+  pipeline::MapPlacement placement_;
+  Stamp last_health_{};
+};
+
+void lock_memory(const Configuration& configuration) {
+  if (configuration.realtime.lock_memory && mlockall(MCL_CURRENT | MCL_FUTURE) != 0) {
+    spdlog::warn("memory cannot be locked ({}): page faults may delay poses; LimitMEMLOCK=infinity cures it", std::strerror(errno));
+  }
+}
+
+bool may_use_fifo(int priority) {
+  sched_param old{};
+  const int policy = sched_getscheduler(0);
+  sched_getparam(0, &old);
+  sched_param parameters{};
+  parameters.sched_priority = priority;
+  const bool may = sched_setscheduler(0, SCHED_FIFO, &parameters) == 0;
+  sched_setscheduler(0, policy, &old);
+  return may;
+}
+
+}  // namespace
+
+int serve(const Configuration& configuration) {
+  spdlog::set_default_logger(std::make_shared<spdlog::logger>("slamd", std::make_shared<spdlog::sinks::stderr_sink_mt>()));
+  spdlog::set_pattern("%L %v");  // journald has the time
+  spdlog::flush_on(spdlog::level::info);
+  Signals signals;
+  const transport::HostClock clock;
+  pipeline::Pipeline pipeline(configuration, clock);
+  Housekeeping housekeeping(configuration, clock, pipeline);
+  if (const std::string remark = pipeline.receive().buffer_remark(); !remark.empty()) {
+    spdlog::warn("{}", remark);
+  }
+  lock_memory(configuration);
+  pipeline.start();
+  if (configuration.realtime.fifo && !pipeline.is_fifo()) {
+    spdlog::warn("SCHED_FIFO is not permitted: other programs may delay poses; LimitRTPRIO=90 cures it");
+  }
+  spdlog::info("listening for {}, telling {} as {}", name_of(configuration.lidar.model), configuration.lcm.url, configuration.lcm.prefix);
+
+  int signal = 0;
+  while (signal == 0) {
+    pollfd fds[] = {{signals.fd(), POLLIN, 0}, {housekeeping.command_fd(), POLLIN, 0}};
+    poll(fds, 2, kHousekeepingPeriod_ms);
+    housekeeping.run_once();
+    signal = signals.read();
+  }
+  spdlog::info("ending on {}", signal == SIGINT ? "SIGINT" : "SIGTERM");
+  pipeline.stop();
+  housekeeping.run_once();
+  log_counts("packets", pipeline.receive().packets());
+  log_counts("blocks", stages::named_counts(pipeline.preprocess().assembler_counts()));
+  for (const std::string& remark : pipeline.receive().remarks()) {
+    spdlog::info("{}", remark);
+  }
+  return 0;
+}
+
+int check(const Configuration& configuration) {
+  const transport::HostClock clock;
+  try {
+    const pipeline::Pipeline pipeline(configuration, clock);
+    std::printf("sockets    bound\nbus        %s, channels %s_*\n", configuration.lcm.url.c_str(), configuration.lcm.prefix.c_str());
+    if (const std::string remark = pipeline.receive().buffer_remark(); !remark.empty()) {
+      std::printf("buffers    %s\n", remark.c_str());
+    }
+  } catch (const std::runtime_error& error) {
+    std::printf("cannot start: %s\n", error.what());
+    return 1;
+  }
+  if (configuration.lcm.url.find("ttl=0") != std::string::npos) {
+    std::printf("bus        ttl=0: only programs on this computer will hear slamd\n");
+  }
+  if (configuration.realtime.fifo && !may_use_fifo(configuration.realtime.priority)) {
+    std::printf("realtime   SCHED_FIFO is not permitted to this user (LimitRTPRIO=90 cures it)\n");
+  }
+  std::printf("ready\n");
+  return 0;
+}
+
+std::string memory_plan_text(const Configuration& configuration) {
+  std::string text;
+  double sum_bytes = 0.0;
+  char line[128];
+  for (const pipeline::MemoryItem& item : pipeline::memory_plan(configuration)) {
+    const double bytes = static_cast<double>(item.count) * static_cast<double>(item.item_bytes);
+    sum_bytes += bytes;
+    std::snprintf(line, sizeof line, "%-34s %9zu x %8zu B %9.2f MB\n", item.name.c_str(), item.count, item.item_bytes, 1e-6 * bytes);
+    text += line;
+  }
+  std::snprintf(line, sizeof line, "%-34s %9s   %8s   %9.2f MB\n", "sum", "", "", 1e-6 * sum_bytes);
+  return text + line;
+}
+
+}  // namespace slamd::service
