@@ -24,8 +24,8 @@ class SerialPort {
   SerialPort(const SerialPort&) = delete;
   SerialPort& operator=(const SerialPort&) = delete;
 
-  /// Opens the device and sets it raw; drops what was waiting in it. Returns 0, or the errno of what failed.
-  int open();
+  /// Opens the device and sets it raw. Returns 0, or the errno of what failed.
+  [[nodiscard]] int open();
 
   void close();
   bool is_open() const { return fd_ >= 0; }

@@ -7,6 +7,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 
 #include "core/base/counter.hpp"
 #include "core/base/stamp.hpp"
@@ -92,7 +93,7 @@ class UdpReceiver {
   /// Says in words that the receive buffer is smaller than configured, and how to change that; empty when it is not.
   std::string buffer_remark() const;
 
-  /// Returns what became of the datagrams, losses up to now included.
+  /// Returns what became of the datagrams; losses are complete when receive() has last found nothing waiting.
   UdpCounters counters() const;
 
  private:

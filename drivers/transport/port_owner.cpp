@@ -1,0 +1,66 @@
+#include "drivers/transport/port_owner.hpp"
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <vector>
+
+namespace slamd::transport {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// What the descriptors of the sockets on this port point to: "socket:[inode]".
+std::vector<std::string> sockets_on(std::uint16_t port) {
+  std::vector<std::string> links;
+  for (const char* table : {"/proc/net/udp", "/proc/net/udp6"}) {
+    std::ifstream stream(table);
+    std::string line;
+    std::getline(stream, line);  // the header
+    while (std::getline(stream, line)) {
+      std::istringstream row(line);
+      std::string slot, local, remote, state, queues, timer, retransmits, uid, timeout, inode;
+      row >> slot >> local >> remote >> state >> queues >> timer >> retransmits >> uid >> timeout >> inode;
+      const std::size_t colon = local.rfind(':');
+      if (row && colon != std::string::npos && std::stoul(local.substr(colon + 1), nullptr, 16) == port) {
+        links.push_back("socket:[" + inode + "]");
+      }
+    }
+  }
+  return links;
+}
+
+bool holds_any(const fs::path& process, const std::vector<std::string>& links) {
+  std::error_code ignored;
+  for (fs::directory_iterator entry(process / "fd", ignored), end; !ignored && entry != end; entry.increment(ignored)) {
+    std::error_code gone;
+    if (std::find(links.begin(), links.end(), fs::read_symlink(*entry, gone).string()) != links.end()) {
+      return true;
+    }
+  }
+  return false;
+}
+
+}  // namespace
+
+std::string udp_port_owner(std::uint16_t port) {
+  const std::vector<std::string> links = sockets_on(port);
+  if (links.empty()) {
+    return "";
+  }
+  std::error_code ignored;
+  for (fs::directory_iterator entry("/proc", ignored), end; !ignored && entry != end; entry.increment(ignored)) {
+    const std::string pid = entry->path().filename();
+    if (pid.find_first_not_of("0123456789") == std::string::npos && holds_any(entry->path(), links)) {
+      std::string name;
+      std::ifstream stream(entry->path() / "comm");
+      std::getline(stream, name);
+      return name + " (pid " + pid + ")";
+    }
+  }
+  return "";
+}
+
+}  // namespace slamd::transport
