@@ -14,7 +14,7 @@ namespace {
 __attribute__((noinline)) void prefault_stack() {
   constexpr std::size_t kBytes = RealTimeThread::kStackBytes - 64 * 1024;  // what glibc and the caller have used
   constexpr std::size_t kPage = 4096;
-  volatile std::byte stack[kBytes];
+  [[maybe_unused]] volatile std::byte stack[kBytes];
   for (std::size_t i = 0; i < kBytes; i += kPage) {
     stack[i] = std::byte{0};
   }
