@@ -76,6 +76,10 @@ int send(const replay::Recording& recording, const Options& options) {
     }
   }
   catch_interrupts();
+  if (!target.imu_terminal.empty()) {
+    std::fprintf(stderr, "slamd-replay: %s: waiting for its reader, up to %.0f s\n", target.imu_terminal.c_str(),
+                 to_seconds(replay::kReaderPatience));
+  }
   replay::MonotonicSendClock clock;
   replay::ToNetworkReport report;
   {

@@ -50,11 +50,7 @@ RowTerminal::~RowTerminal() {
 
 bool RowTerminal::has_reader() const {
   pollfd state{fd_, 0, 0};
-  if (poll(&state, 1, 0) < 0 || (state.revents & POLLHUP) != 0) {
-    return false;
-  }
-  termios mode{};
-  return tcgetattr(fd_, &mode) == 0 && (mode.c_lflag & (ICANON | ECHO)) == 0;
+  return poll(&state, 1, 0) >= 0 && (state.revents & POLLHUP) == 0;
 }
 
 bool RowTerminal::write(std::string_view row) {
@@ -67,11 +63,20 @@ bool RowTerminal::write(std::string_view row) {
   }
   if (!heard_) {
     heard_ = true;
+    make_raw();
     backlog_ += '\n';  // a reader trusts no row whose beginning it may have missed
   }
   backlog_ += row;
   push();
   return true;
+}
+
+void RowTerminal::make_raw() {
+  termios mode{};
+  if (tcgetattr(fd_, &mode) == 0) {
+    cfmakeraw(&mode);
+    tcsetattr(fd_, TCSANOW, &mode);
+  }
 }
 
 void RowTerminal::push() {

@@ -15,7 +15,7 @@ class RowTerminal {
   RowTerminal(const RowTerminal&) = delete;
   RowTerminal& operator=(const RowTerminal&) = delete;
 
-  /// Tells whether somebody has opened the terminal, and set it raw.
+  /// Tells whether somebody has opened the terminal.
   bool has_reader() const;
 
   /// Sends a row, which ends in '\n'; returns false, and sends nothing, when nobody listens or the reader has fallen
@@ -30,6 +30,9 @@ class RowTerminal {
 
  private:
   static constexpr std::size_t kMaxBacklogBytes = 65'536;
+
+  /// Sets the reader's side raw, in case that it has not got to it yet: an echo would come back as rows.
+  void make_raw();
 
   void push();
 

@@ -230,6 +230,9 @@ class Player {
         clock_.sleep_until(deadline);
         back_to_back_ = 0;
       }
+      if (is_stopped()) {
+        return false;
+      }
       const Duration lateness = clock_.now() - deadline;
       report_.worst_lateness = std::max(report_.worst_lateness, lateness);
       lateness_sum_ += lateness;

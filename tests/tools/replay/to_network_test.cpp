@@ -297,6 +297,7 @@ TEST_F(ToNetwork, EndsWithExactCountsWhenItIsInterrupted) {
   EXPECT_LT(sut.lidar, 500U);
   EXPECT_EQ(sut.lidar, data_.payloads.size());
   EXPECT_EQ(sut.position, position_.payloads.size());
+  EXPECT_GE(sut.mean_lateness, Duration(0));
 }
 
 TEST_F(ToNetwork, TellsPacketsOfABuiltInImuFromPoints) {
