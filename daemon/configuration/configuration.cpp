@@ -22,6 +22,11 @@ const char* name_of(LidarModel model) {
   return "?";
 }
 
+int LidarConfiguration::data_port() const {
+  constexpr int kVelodynePort = 2368;
+  return port == 0 && model != LidarModel::kLivoxAvia ? kVelodynePort : port;
+}
+
 odometry::OdometryConfig resolved_odometry(const Configuration& configuration) {
   odometry::OdometryConfig result = configuration.odometry;
   result.use_imu = configuration.imu.enabled;

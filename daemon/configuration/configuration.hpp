@@ -36,6 +36,8 @@ struct LidarConfiguration {
   std::string source;         // file or folder in the recording; empty: the recording's only pcap
   int port = 0;               // UDP destination port of the data; 0: the model's own
   int position_port = 8308;   // Velodyne position packets
+  std::string bind_address = "0.0.0.0";  // of this host; live
+  std::string source_address;            // the sensor's; empty: the first that sends good packets; live
   geometry::Se3 T_base_lidar;
   double cut_azimuth_deg = 180.0;
   Duration scan_period = std::chrono::milliseconds(100);
@@ -43,13 +45,23 @@ struct LidarConfiguration {
   bool vertical_parallax = false;
   bool points_have_time = true;  // false: the clouds of a points folder are compensated already
   double scans_per_second = 10.0;  // of a points folder without stamps
+
+  /// Returns the UDP destination port of the data: the model's own where none is configured; 0 for a Livox, which
+  /// sends to whatever port it is told.
+  int data_port() const;
 };
 
 struct ImuConfiguration {
   bool enabled = false;       // true as soon as the table is there
-  std::string source;         // file in the recording, or "livox"
+  std::string source;         // file in the recording, "livox", or live "udp" or "serial"
+  int port = 7501;            // UDP destination port of "udp"
+  std::string device;         // terminal of "serial"
+  int baud = 921'600;         // its rate
   std::optional<geometry::Se3> T_base_imu;
   SensorClock clock = SensorClock::kEstimated;
+
+  /// Tells whether the samples come from a port of this host rather than from a file or the LiDAR.
+  bool is_live_port() const { return source == "udp" || source == "serial"; }
 };
 
 struct WheelConfiguration {

@@ -187,6 +187,8 @@ void add_sensor_keys(std::vector<Key>& keys) {
   keys.push_back(text("lidar.source", "File or folder of the recording; empty: its only pcap.", SLAMD_FIELD(lidar.source)));
   keys.push_back(number("lidar.port", 0, 65535, "UDP destination port of the data; 0: the model's own.", SLAMD_FIELD(lidar.port)));
   keys.push_back(number("lidar.position_port", 0, 65535, "UDP destination port of Velodyne position packets.", SLAMD_FIELD(lidar.position_port)));
+  keys.push_back(text("lidar.bind_address", "Live: this host's address at which the packets arrive; 0.0.0.0: all of them, broadcasts included.", SLAMD_FIELD(lidar.bind_address)));
+  keys.push_back(text("lidar.source_address", "Live: the sensor's own address; empty: the first that sends good packets.", SLAMD_FIELD(lidar.source_address)));
   add_transform(keys, "lidar.T_base_lidar", "The LiDAR's place in base.",
                 [](Configuration& c) -> geometry::Se3& { return c.lidar.T_base_lidar; },
                 [](const Configuration& c) { return std::optional<geometry::Se3>(c.lidar.T_base_lidar); });
@@ -199,7 +201,10 @@ void add_sensor_keys(std::vector<Key>& keys) {
   keys.push_back(boolean("lidar.points_have_time", "false: a points folder is compensated already.", SLAMD_FIELD(lidar.points_have_time)));
   keys.push_back(number("lidar.scans_per_second", 0.5, 100.0, "Rate of a points folder without stamps.", SLAMD_FIELD(lidar.scans_per_second)));
   keys.push_back(boolean("imu.enabled", "true as soon as the table is there.", SLAMD_FIELD(imu.enabled)));
-  keys.push_back(text("imu.source", "A CSV file of the recording, or \"livox\" for the built-in sensor.", SLAMD_FIELD(imu.source)));
+  keys.push_back(text("imu.source", "A CSV file of the recording, or \"livox\" for the built-in sensor; live also \"udp\" or \"serial\": CSV rows from a port.", SLAMD_FIELD(imu.source)));
+  keys.push_back(number("imu.port", 1, 65535, "Live, \"udp\": destination port of the rows.", SLAMD_FIELD(imu.port)));
+  keys.push_back(text("imu.device", "Live, \"serial\": the terminal, such as /dev/ttyUSB0.", SLAMD_FIELD(imu.device)));
+  keys.push_back(number("imu.baud", 4800, 4000000, "Live, \"serial\": its rate, one of the standard ones.", SLAMD_FIELD(imu.baud)));
   add_transform(keys, "imu.T_base_imu", "The inertial sensor's place in base; a Livox's own follows from T_base_lidar.",
                 [](Configuration& c) -> geometry::Se3& {
                   if (!c.imu.T_base_imu) {

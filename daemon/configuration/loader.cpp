@@ -10,6 +10,9 @@
 
 #include <toml++/toml.h>
 
+#include "drivers/transport/serial_port.hpp"
+#include "drivers/transport/udp_receiver.hpp"
+
 namespace slamd::configuration {
 
 namespace {
@@ -181,7 +184,36 @@ void walk(const toml::table& table, const std::string& prefix, const std::string
   }
 }
 
+bool is_address(const std::string& text) { return transport::parse_address(text).has_value(); }
+
 }  // namespace
+
+void Loader::check_together(const Configuration& configuration, const std::map<std::string, Entry>& entries) {
+  const LidarConfiguration& lidar = configuration.lidar;
+  const ImuConfiguration& imu = configuration.imu;
+  const auto refuse_if = [&](bool wrong, const char* path, const std::string& value, const char* why) {
+    if (wrong) {
+      const auto entry = entries.find(path);
+      fail(entry == entries.end() ? "" : entry->second.place, path, value, why);
+    }
+  };
+  const auto quoted = [](const std::string& text) { return '"' + text + '"'; };
+  refuse_if(!is_address(lidar.bind_address), "lidar.bind_address", quoted(lidar.bind_address),
+            "must be an IPv4 address with dots, such as \"0.0.0.0\"");
+  refuse_if(!lidar.source_address.empty() && !is_address(lidar.source_address), "lidar.source_address",
+            quoted(lidar.source_address), "must be an IPv4 address with dots, such as \"192.168.1.201\", or empty");
+  refuse_if(!transport::SerialPort::is_standard_rate(imu.baud), "imu.baud", std::to_string(imu.baud),
+            "must be a standard rate, such as 115200, 230400, 460800 or 921600");
+  if (!imu.enabled) {
+    return;
+  }
+  const bool livox = lidar.model == LidarModel::kLivoxAvia;
+  refuse_if(imu.source == "livox" && !livox, "imu.source", "\"livox\"", "lidar.model has no built-in inertial sensor");
+  refuse_if(imu.source == "serial" && imu.device.empty(), "imu.source", "\"serial\"",
+            "needs imu.device, the terminal, such as \"/dev/ttyUSB0\"");
+  refuse_if(imu.source == "udp" && (imu.port == lidar.data_port() || (imu.port == lidar.position_port && !livox)), "imu.port",
+            std::to_string(imu.port), "is a port of the LiDAR");
+}
 
 std::map<std::string, Loader::Entry> Loader::parse(const std::string& toml_text, const std::string& name) {
   toml::table table;
@@ -267,10 +299,7 @@ Configuration Loader::load() const {
   find_key("lidar.model")->set(configuration, model->second.value);
   apply(parse(preset_of(configuration.lidar.model), std::string("preset ") + name_of(configuration.lidar.model)));
   apply(merged);
-  if (configuration.imu.enabled && configuration.imu.source == "livox" && configuration.lidar.model != LidarModel::kLivoxAvia) {
-    const auto source = merged.find("imu.source");
-    fail(source == merged.end() ? "" : source->second.place, "imu.source", "\"livox\"", "lidar.model has no built-in inertial sensor");
-  }
+  check_together(configuration, merged);
   return configuration;
 }
 

@@ -32,6 +32,9 @@ class Loader {
 
   static std::map<std::string, Entry> parse(const std::string& toml, const std::string& name);
 
+  /// Refuses what no key can tell by itself.
+  static void check_together(const Configuration& configuration, const std::map<std::string, Entry>& entries);
+
   std::string names_;  // of what was added, for messages
   std::map<std::string, Entry> files_;
   std::map<std::string, Entry> overrides_;

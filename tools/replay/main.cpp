@@ -1,3 +1,4 @@
+#include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
@@ -9,6 +10,7 @@
 #include "daemon/configuration/key_table.hpp"
 #include "tools/cli/cli.hpp"
 #include "tools/replay/session.hpp"
+#include "tools/replay/to_network.hpp"
 
 namespace {
 
@@ -21,6 +23,9 @@ struct Options {
   std::vector<std::string> configs;
   std::vector<std::string> overrides;
   std::string compare;
+  std::string to_network;
+  std::string imu_to;
+  double speed = 1.0;
   bool json = false;
   bool print_configuration = false;
 };
@@ -31,7 +36,10 @@ void declare(CLI::App& app, Options& options) {
   app.add_option("--config", options.configs, "TOML file; wins over recording.toml key by key");
   app.add_option("--set", options.overrides, "key=value; wins over all files")->take_all();
   app.add_option("--compare", options.compare, "Run a second filter on the same recording, side by side")->check(CLI::IsMember({"psf", "iekf"}));
-  app.add_flag("--json", options.json, "Print report.json instead of the summary");
+  CLI::Option* to_network = app.add_option("--to-network", options.to_network, "HOST[:DATA_PORT[:POSITION_PORT]]: send the packets there with their timing instead of mapping them");
+  app.add_option("--speed", options.speed, "With --to-network: times real time; 0: as fast as it goes")->check(CLI::Range(0.0, 1000.0))->needs(to_network);
+  app.add_option("--imu-to", options.imu_to, "With --to-network: where the rows of imu.csv go, udp:HOST:PORT or pty:LINKPATH")->needs(to_network);
+  app.add_flag("--json", options.json, "Print the report as JSON instead of the summary");
   app.add_flag("--print-config", options.print_configuration, "Print the complete configuration and exit");
   app.add_flag_callback(
          "--print-keys",
@@ -41,8 +49,46 @@ void declare(CLI::App& app, Options& options) {
          },
          "Print a table of all keys and exit")
       ->trigger_on_parse();
-  app.footer("Exit code: 0 the recording was processed to its end; 1 it could not be; 2 bad configuration or usage.\n"
+  app.footer("Exit code: 0 the recording was processed to its end; 1 it could not be, or was interrupted; 2 bad configuration or usage.\n"
              "All keys: docs/configuration.md.");
+}
+
+volatile std::sig_atomic_t interrupted = 0;
+
+/// Lets Ctrl-C end the sending with its counts; a second one ends the program.
+void catch_interrupts() {
+  struct sigaction action {};
+  action.sa_handler = [](int) { interrupted = 1; };
+  action.sa_flags = SA_RESETHAND;  // and no SA_RESTART: a sleep ends
+  for (const int signal : {SIGINT, SIGTERM}) {
+    sigaction(signal, &action, nullptr);
+  }
+}
+
+int send(const replay::Recording& recording, const Options& options) {
+  replay::ToNetworkOptions target;
+  target.speed = options.speed;
+  replay::parse_destination(options.to_network, target);
+  if (!options.imu_to.empty()) {
+    replay::parse_imu_destination(options.imu_to, target);
+    if (recording.imu_csv.empty()) {
+      throw cli::UsageError("--imu-to " + options.imu_to + ": the recording has no file of inertial samples");
+    }
+  }
+  catch_interrupts();
+  if (!target.imu_terminal.empty()) {
+    std::fprintf(stderr, "slamd-replay: %s: waiting for its reader, up to %.0f s\n", target.imu_terminal.c_str(),
+                 to_seconds(replay::kReaderPatience));
+  }
+  replay::MonotonicSendClock clock;
+  replay::ToNetworkReport report;
+  {
+    cli::Progress progress("sending");
+    report = replay::send_to_network(recording, target, clock, [] { return interrupted != 0; },
+                                     [&](double share) { progress.show(share); });
+  }
+  std::fputs((options.json ? json_of(report) : summary_of(report)).c_str(), stdout);
+  return report.interrupted ? 1 : 0;
 }
 
 int run(const Options& options) {
@@ -50,6 +96,9 @@ int run(const Options& options) {
   if (options.print_configuration) {
     std::fputs(configuration::print_configuration(recording.configuration).c_str(), stdout);
     return 0;
+  }
+  if (!options.to_network.empty()) {
+    return send(recording, options);
   }
   if (options.out.empty()) {
     throw cli::UsageError("--out DIR is required");

@@ -39,6 +39,21 @@ fs::path existing(const fs::path& directory, const std::string& source, const ch
   return file;
 }
 
+/// The samples that a recording keeps in a file of their own; none where they are built in.
+fs::path imu_file(const fs::path& directory, const configuration::ImuConfiguration& imu) {
+  if (!imu.enabled || imu.source == "livox") {
+    return {};
+  }
+  if (!imu.is_live_port()) {
+    return existing(directory, imu.source.empty() ? "imu.csv" : imu.source, "imu.source");
+  }
+  if (!fs::exists(directory / "imu.csv")) {  // what came in at the port of a live daemon is recorded there
+    throw RecordingError(directory / "imu.csv", "does not exist, and imu.source = \"" + imu.source +
+                                                    "\" is for the live daemon; name the recording's file, or \"livox\"");
+  }
+  return directory / "imu.csv";
+}
+
 }  // namespace
 
 Recording open_recording(const fs::path& path,
@@ -73,9 +88,7 @@ Recording open_recording(const fs::path& path,
   } else {
     recording.lidar = lidar.model == LidarModel::kPoints ? path : only_capture(path);
   }
-  if (imu.enabled && imu.source != "livox") {
-    recording.imu_csv = existing(directory, imu.source.empty() ? "imu.csv" : imu.source, "imu.source");
-  }
+  recording.imu_csv = imu_file(directory, imu);
   if (is_directory && fs::exists(path / "truth.tum")) {
     recording.truth = path / "truth.tum";
   }

@@ -105,7 +105,20 @@ INSTANTIATE_TEST_SUITE_P(
                "robot.toml:4: self_filter.boxes = [{max_m = [0, 1, 1], min_m = [1, 0, 0]}]: must be up to 8 of "
                "{ min_m = [x, y, z], max_m = [x, y, z] }, each min below its max"},
         Broken{"BuiltInImuOfASensorThatHasNone", "[[lidar]]\nmodel = \"vlp16\"\n[imu]\nsource = \"livox\"\n",
-               "robot.toml:4: imu.source = \"livox\": lidar.model has no built-in inertial sensor"}),
+               "robot.toml:4: imu.source = \"livox\": lidar.model has no built-in inertial sensor"},
+        Broken{"BindAddressThatIsNone", "[[lidar]]\nmodel = \"vlp16\"\nbind_address = \"eth0\"\n",
+               "robot.toml:3: lidar.bind_address = \"eth0\": must be an IPv4 address with dots, such as \"0.0.0.0\""},
+        Broken{"SourceAddressThatIsNone", "[[lidar]]\nmodel = \"vlp16\"\nsource_address = \"192.168.1\"\n",
+               "robot.toml:3: lidar.source_address = \"192.168.1\": must be an IPv4 address with dots, such as "
+               "\"192.168.1.201\", or empty"},
+        Broken{"RateThatNoSerialPortHas", "[[lidar]]\nmodel = \"vlp16\"\n[imu]\nbaud = 100000\n",
+               "robot.toml:4: imu.baud = 100000: must be a standard rate, such as 115200, 230400, 460800 or 921600"},
+        Broken{"SerialImuWithoutATerminal", "[[lidar]]\nmodel = \"vlp16\"\n[imu]\nsource = \"serial\"\n",
+               "robot.toml:4: imu.source = \"serial\": needs imu.device, the terminal, such as \"/dev/ttyUSB0\""},
+        Broken{"ImuOnThePortOfTheLidar", "[[lidar]]\nmodel = \"vlp16\"\n[imu]\nsource = \"udp\"\nport = 2368\n",
+               "robot.toml:5: imu.port = 2368: is a port of the LiDAR"},
+        Broken{"ImuOnThePositionPort", "[[lidar]]\nmodel = \"vlp16\"\n[imu]\nsource = \"udp\"\nport = 8308\n",
+               "robot.toml:5: imu.port = 8308: is a port of the LiDAR"}),
     [](const auto& broken) { return broken.param.name; });
 
 TEST(Loader, RefusesWhatIsNoTomlWithItsLine) {

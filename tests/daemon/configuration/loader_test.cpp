@@ -108,6 +108,24 @@ TEST_F(LoaderTest, ReadsRotationsAsYawOfPitchOfRoll) {
   EXPECT_LT((p_base - Eigen::Vector3d(1.0, 2.0, 4.0)).norm(), 1e-12);
 }
 
+TEST_F(LoaderTest, TakesThePortsOfALiveImu) {
+  const Configuration udp = loaded("[[lidar]]\nmodel = \"vlp16\"\n[imu]\nsource = \"udp\"\n");
+  const Configuration serial =
+      loaded("[[lidar]]\nmodel = \"vlp16\"\n[imu]\nsource = \"serial\"\ndevice = \"/dev/ttyS1\"\nbaud = 115200\n");
+
+  EXPECT_TRUE(udp.imu.is_live_port());
+  EXPECT_EQ(udp.imu.port, 7501);
+  EXPECT_TRUE(serial.imu.is_live_port());
+  EXPECT_EQ(serial.imu.device, "/dev/ttyS1");
+  EXPECT_EQ(serial.imu.baud, 115'200);
+}
+
+TEST_F(LoaderTest, KnowsThePortOfEachModelsData) {
+  EXPECT_EQ(loaded("[[lidar]]\nmodel = \"vlp16\"\n").lidar.data_port(), 2368);
+  EXPECT_EQ(loaded("[[lidar]]\nmodel = \"vlp16\"\nport = 2400\n").lidar.data_port(), 2400);
+  EXPECT_EQ(loaded("[[lidar]]\nmodel = \"livox_avia\"\n").lidar.data_port(), 0);
+}
+
 TEST_F(LoaderTest, PlacesTheAviasOwnImuFromItsLidar) {
   const Configuration configuration = loaded(
       "[[lidar]]\nmodel = \"livox_avia\"\nT_base_lidar = { xyz_m = [0.04165, 0.02326, -0.0284] }\n[imu]\nsource = \"livox\"\n");

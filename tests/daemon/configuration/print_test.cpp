@@ -17,6 +17,12 @@ Configuration reloaded(const std::string& printed) {
 /// A value that the key takes.
 Value drawn(const Key& key, std::mt19937_64& engine) {
   const auto uniform = [&](double low, double high) { return std::uniform_real_distribution<double>(low, high)(engine); };
+  if (key.path == "lidar.bind_address" || key.path == "lidar.source_address") {
+    return std::string("10.20.30.40");
+  }
+  if (key.path == "imu.baud") {
+    return 230'400.0;
+  }
   switch (key.kind) {
     case Key::Kind::kBoolean: return uniform(0.0, 1.0) < 0.5;
     case Key::Kind::kInteger: return std::floor(uniform(key.min, key.max));

@@ -40,7 +40,9 @@ class Sender {
 
   void send(std::uint32_t number, std::size_t bytes = 1206) {
     std::vector<std::byte> payload(bytes);
-    std::memcpy(payload.data(), &number, std::min(bytes, sizeof number));
+    if (bytes >= sizeof number) {
+      std::memcpy(payload.data(), &number, sizeof number);
+    }
     const auto sent = sendto(fd_, payload.data(), bytes, 0, reinterpret_cast<const sockaddr*>(&to_), sizeof to_);
     SLAMD_ASSERT(sent == static_cast<ssize_t>(bytes));
   }

@@ -47,6 +47,20 @@ TEST_F(OpenRecording, LeavesTheImuOutWhenItIsSwitchedOff) {
   EXPECT_TRUE(open_recording(day(), {}, {"imu.enabled=false"}).imu_csv.empty());
 }
 
+TEST_F(OpenRecording, FindsWhatTheLivePortsOfAConfigurationHaveRecorded) {
+  for (const char* source : {"imu.source=udp", "imu.source=serial"}) {
+    EXPECT_EQ(open_recording(day(), {}, {source, "imu.device=/dev/ttyS0"}).imu_csv, day() / "imu.csv");
+  }
+}
+
+TEST_F(OpenRecording, RefusesALivePortWhereNothingOfItIsRecorded) {
+  std::filesystem::remove(day() / "imu.csv");
+
+  EXPECT_EQ(refusal_of<RecordingError>(day(), {}, {"imu.source=udp"}),
+            (day() / "imu.csv").string() + ": does not exist, and imu.source = \"udp\" is for the live daemon; name the "
+                                           "recording's file, or \"livox\"");
+}
+
 TEST_F(OpenRecording, LetsConfigFilesWinOverTheRecordingsOwn) {
   const auto mine = write("mine.toml", "[odometry]\nfilter = \"iekf\"\n[[lidar]]\nmin_range_m = 3\n");
 

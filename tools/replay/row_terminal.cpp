@@ -1,0 +1,108 @@
+#include "tools/replay/row_terminal.hpp"
+
+#include <fcntl.h>
+#include <poll.h>
+#include <stdlib.h>
+#include <sys/ioctl.h>
+#include <termios.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <stdexcept>
+#include <system_error>
+
+namespace slamd::replay {
+
+namespace fs = std::filesystem;
+
+RowTerminal::RowTerminal(const fs::path& link) : link_(link) {
+  std::error_code ignored;
+  if (fs::exists(fs::symlink_status(link_, ignored)) && !fs::is_symlink(link_)) {
+    throw std::runtime_error(link_.string() + ": is there already, and no link");
+  }
+  char name[64];
+  fd_ = posix_openpt(O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
+  if (fd_ < 0 || grantpt(fd_) != 0 || unlockpt(fd_) != 0 || ptsname_r(fd_, name, sizeof name) != 0) {
+    const std::error_code error(errno, std::generic_category());
+    ::close(fd_);
+    throw std::runtime_error("no pseudo terminal to be had: " + error.message());
+  }
+  name_ = name;
+  // Only after its first closing does the kernel tell a terminal that nobody reads.
+  ::close(::open(name, O_RDWR | O_NOCTTY | O_CLOEXEC));
+  std::error_code error;
+  fs::remove(link_, ignored);
+  fs::create_symlink(name_, link_, error);
+  if (error) {
+    ::close(fd_);
+    throw std::runtime_error(link_.string() + ": cannot be made: " + error.message());
+  }
+}
+
+RowTerminal::~RowTerminal() {
+  std::error_code ignored;
+  if (fs::read_symlink(link_, ignored) == name_) {
+    fs::remove(link_, ignored);
+  }
+  ::close(fd_);
+}
+
+bool RowTerminal::has_reader() const {
+  pollfd state{fd_, 0, 0};
+  return poll(&state, 1, 0) >= 0 && (state.revents & POLLHUP) == 0;
+}
+
+bool RowTerminal::write(std::string_view row) {
+  if (!has_reader()) {
+    heard_ = false;
+    return false;
+  }
+  if (backlog_.size() + row.size() > kMaxBacklogBytes) {
+    return false;
+  }
+  if (!heard_) {
+    heard_ = true;
+    make_raw();
+    backlog_ += '\n';  // a reader trusts no row whose beginning it may have missed
+  }
+  backlog_ += row;
+  push();
+  return true;
+}
+
+void RowTerminal::make_raw() {
+  termios mode{};
+  if (tcgetattr(fd_, &mode) == 0) {
+    cfmakeraw(&mode);
+    tcsetattr(fd_, TCSANOW, &mode);
+  }
+}
+
+void RowTerminal::push() {
+  while (!backlog_.empty()) {
+    const ssize_t written = ::write(fd_, backlog_.data(), backlog_.size());
+    if (written <= 0) {
+      return;
+    }
+    backlog_.erase(0, static_cast<std::size_t>(written));
+  }
+}
+
+bool RowTerminal::is_drained() {
+  if (!has_reader()) {
+    return true;
+  }
+  push();
+  const int reader = ::open(name_.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
+  int waiting = 0;
+  const bool known = ioctl(reader, FIONREAD, &waiting) == 0;
+  ::close(reader);
+  return backlog_.empty() && known && waiting == 0;
+}
+
+std::size_t RowTerminal::rows_left() const {
+  return static_cast<std::size_t>(std::count(backlog_.begin(), backlog_.end(), '\n'));
+}
+
+}  // namespace slamd::replay
