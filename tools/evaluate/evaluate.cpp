@@ -42,7 +42,10 @@ Trajectory read(const std::string& file, const std::string& times) {
   return trajectory;
 }
 
-std::vector<PosePair> associate(const Options& options, const Trajectory& reference, const Trajectory& estimate) {
+std::vector<PosePair> associate(const Options& options, const Trajectory& reference, Trajectory estimate) {
+  for (evaluation::TimedPose& pose : estimate) {
+    pose.stamp += from_seconds(options.offset_s);
+  }
   const std::vector<PosePair> pairs =
       options.evo ? evaluation::associate_nearest(reference, estimate, std::chrono::milliseconds(10))
                   : evaluation::associate_interpolated(reference, estimate, from_seconds(options.max_gap_s));

@@ -13,6 +13,7 @@ struct Options {
   std::string unit = "m";
   evaluation::PairRule rule{.delta = 10.0, .unit = evaluation::DeltaUnit::kMetres};
   double max_gap_s = 1.0;
+  double offset_s = 0.0;  // added to the estimate's stamps
   std::size_t align_count = 0;
   bool json = false;
   bool evo = false;

@@ -16,6 +16,7 @@ void declare(CLI::App& app, evaluate::Options& options) {
   app.add_option("--times", options.times, "Stamps of KITTI rows, s, one a line");
   app.add_flag("--json", options.json, "Print JSON");
   app.add_flag("--evo", options.evo, "Associate nearest stamps by evo's rules (10 ms) instead of interpolating");
+  app.add_option("--offset", options.offset_s, "Seconds to add to the estimate's stamps")->capture_default_str();
   app.add_option("--max-gap", options.max_gap_s, "Longest gap of the reference that is interpolated, s")->check(CLI::PositiveNumber)->capture_default_str();
   app.add_option("--n-to-align", options.align_count, "Align with the first N poses only; 0: all")->capture_default_str();
   app.add_option("--rpe-delta", options.rule.delta, "Distance of RPE's pairs")->check(CLI::PositiveNumber)->capture_default_str();

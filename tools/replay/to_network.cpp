@@ -138,6 +138,8 @@ class Player {
     }
     first_ = now_ = row_ ? std::min(row_->stamp, first_packet) : first_packet;
     begin_ = clock_.now();
+    const auto wall = std::chrono::system_clock::now().time_since_epoch();
+    report_.wall_minus_recorded = std::chrono::duration_cast<Duration>(wall) - first_.time_since_epoch();
   }
 
   void add(const Packet& packet) {
@@ -373,6 +375,7 @@ std::string json_of(const ToNetworkReport& report) {
   json["lateness_ms"] = {{"mean", ms(report.mean_lateness)}, {"worst", ms(report.worst_lateness)}};
   json["recording_s"] = to_seconds(report.recording);
   json["took_s"] = to_seconds(report.took);
+  json["wall_minus_recorded_s"] = to_seconds(report.wall_minus_recorded);
   json["interrupted"] = report.interrupted;
   return json.dump(2) + "\n";
 }

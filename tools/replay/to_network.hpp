@@ -59,6 +59,7 @@ struct ToNetworkReport {
   Duration mean_lateness{};
   Duration recording{};             // from the first event sent to the last
   Duration took{};
+  Duration wall_minus_recorded{};   // wall clock at the first event's deadline, minus its stamp: what live stamps are later by
   bool interrupted = false;
 };
 
