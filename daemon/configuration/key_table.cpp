@@ -84,6 +84,13 @@ Key text(const char* path, const char* help, Field field) {
   return key;
 }
 
+template <typename Field>
+Key name(const char* path, const char* help, Field field) {
+  Key key = text(path, help, field);
+  key.kind = Key::Kind::kName;
+  return key;
+}
+
 template <typename Enum, typename Field>
 Key choice(const char* path, const std::vector<std::pair<std::string, Enum>>& names, const char* help, Field field) {
   Key key;
@@ -249,6 +256,9 @@ void add_odometry_keys(std::vector<Key>& keys) {
   keys.push_back(number("map.max_cells", 1000, 1e6, "Fine cells of 1 m; the oldest are recycled.", SLAMD_FIELD(odometry.map.max_cells)));
   keys.push_back(number("map.max_surface_cells", 1000, 4e6, "Coarse cells; the oldest are recycled.", SLAMD_FIELD(odometry.map.max_surface_cells)));
   keys.push_back(number("output.map_spacing_m", 0.02, 5.0, "Points of map.ply: one in a cube of this side.", SLAMD_FIELD(output.map_spacing_m)));
+  keys.push_back(text("lcm.url", "Where the messages go. ttl=0: not beyond this computer.", SLAMD_FIELD(lcm.url)));
+  keys.push_back(name("lcm.prefix", "Of the channels' names; two daemons on one network need two.", SLAMD_FIELD(lcm.prefix)));
+  keys.push_back(number("lcm.scan_points", 0, 100000, "Points of a scan that are sent; 0: no scans.", SLAMD_FIELD(lcm.scan_points)));
 }
 
 #undef SLAMD_FIELD
@@ -340,6 +350,7 @@ std::string Key::allowed() const {
   switch (kind) {
     case Kind::kBoolean: return "true or false";
     case Kind::kText: return "a text in quotes";
+    case Kind::kName: return "1 to 40 letters, digits, '_' or '-', in quotes";
     case Kind::kInteger:
       return "a whole number from " + std::to_string(static_cast<long long>(min)) + " to " +
              std::to_string(static_cast<long long>(max));
