@@ -3,7 +3,9 @@
 #include <array>
 #include <chrono>
 #include <cstdint>
+#include <memory>
 #include <optional>
+#include <span>
 #include <string>
 
 #include "daemon/bus/channels.hpp"
@@ -33,8 +35,14 @@ class CommandListener {
 
   CommandListener(const std::string& url, const std::string& prefix);
 
+  /// Shares a connection, for example a Publisher's; nobody else may then wait() on it.
+  CommandListener(std::shared_ptr<Connection> connection, const std::string& prefix);
+
+  CommandListener(const CommandListener&) = delete;
+  CommandListener& operator=(const CommandListener&) = delete;
+
   /// Becomes readable when poll() has something to do.
-  int fd() const { return connection_.fd(); }
+  int fd() const { return connection_->fd(); }
 
   /// Returns the next valid command that is there, without waiting; answer it, sooner or later, by answer().
   std::optional<Command> poll(Clock::time_point now);
@@ -55,7 +63,7 @@ class CommandListener {
   void send(const Reply& reply);
 
   Channels channels_;
-  Connection connection_;
+  std::shared_ptr<Connection> connection_;
   CommandCounters counters_;
   std::optional<Command> taken_;
   std::array<std::optional<Known>, 16> known_;  // the newest ids, round and round

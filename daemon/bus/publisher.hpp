@@ -32,6 +32,9 @@ class Publisher {
  public:
   explicit Publisher(const PublisherConfig& config);
 
+  /// Shares a connection, whatever config.url says: memq:// carries messages only inside one.
+  Publisher(std::shared_ptr<Connection> connection, const PublisherConfig& config);
+
   bool publish(const Pose& pose);
   bool publish(const MapToOdom& map_to_odom);
   bool publish(const Health& health);
@@ -48,7 +51,7 @@ class Publisher {
   bool send(const std::string& channel, const Buffer& buffer, std::size_t size);
 
   Channels channels_;
-  Connection connection_;
+  std::shared_ptr<Connection> connection_;
   ScanChunker chunker_;
   std::atomic<std::uint64_t> sent_{0};
   std::atomic<std::uint64_t> failed_{0};

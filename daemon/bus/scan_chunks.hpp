@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -14,6 +15,7 @@ namespace slamd::bus {
 /// Units: points in cm, the rest in m.
 struct ScanChunk {
   static constexpr std::size_t kPoints = 200;
+  static constexpr std::size_t kMaxChunks = 500;
   using Point = std::array<std::int16_t, 3>;
 
   std::uint64_t scan_index = 0;
@@ -30,6 +32,7 @@ struct ScanChunk {
 /// Real-time: allocates in the constructor only.
 class ScanChunker {
  public:
+  /// At most kMaxChunks * kPoints, 100,000.
   explicit ScanChunker(std::size_t max_points);
 
   /// Takes a scan in: every n-th point, so that no more than max_points remain; what is farther than 327 m from base

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <concepts>
 #include <cstddef>
 #include <string_view>
 
@@ -16,23 +17,21 @@ class Text {
 
  public:
   Text() = default;
-  Text(std::string_view text) { *this = text; }  // NOLINT(google-explicit-constructor): a text is a text
-  Text(const char* text) : Text(std::string_view(text)) {}  // NOLINT(google-explicit-constructor): likewise
 
-  Text& operator=(std::string_view text) {
+  template <std::convertible_to<std::string_view> Any>
+  Text(const Any& any) {  // NOLINT(google-explicit-constructor): a text is a text
+    const std::string_view text = any;
     std::size_t size = std::min(text.size(), kCapacity);
     while (size > 0 && size < text.size() && (static_cast<unsigned char>(text[size]) & 0xC0U) == 0x80U) {
       --size;
     }
     std::copy_n(text.data(), size, characters_.data());
     size_ = static_cast<unsigned char>(size);
-    return *this;
   }
 
   static constexpr std::size_t capacity() { return kCapacity; }
   bool empty() const { return size_ == 0; }
   std::string_view view() const { return {characters_.data(), size_}; }
-  operator std::string_view() const { return view(); }  // NOLINT(google-explicit-constructor): likewise
 
  private:
   std::array<char, kCapacity> characters_{};

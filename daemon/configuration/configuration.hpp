@@ -85,6 +85,13 @@ struct RealtimeConfiguration {
   bool lock_memory = true;  // mlockall where it is permitted
 };
 
+/// Where the messages go.
+struct LcmConfiguration {
+  std::string url = "udpm://239.255.76.67:7667?ttl=0";
+  std::string prefix = "SLAMD";  // of the channels: 1 to 40 letters, digits, '_' and '-'
+  int scan_points = 2000;        // of a scan that are sent; 0: no scans
+};
+
 /// Everything that a run is made of. Extrinsics reach the odometry through `resolved_odometry`.
 struct Configuration {
   LidarConfiguration lidar;
@@ -94,6 +101,7 @@ struct Configuration {
   odometry::OdometryConfig odometry;
   OutputConfiguration output;
   RealtimeConfiguration realtime;
+  LcmConfiguration lcm;
 };
 
 /// The names of [[lidar]] model, as configured.

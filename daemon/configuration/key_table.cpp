@@ -84,6 +84,13 @@ Key text(const char* path, const char* help, Field field) {
   return key;
 }
 
+template <typename Field>
+Key name(const char* path, const char* help, Field field) {
+  Key key = text(path, help, field);
+  key.kind = Key::Kind::kName;
+  return key;
+}
+
 template <typename Enum, typename Field>
 Key choice(const char* path, const std::vector<std::pair<std::string, Enum>>& names, const char* help, Field field) {
   Key key;
@@ -257,6 +264,9 @@ void add_odometry_keys(std::vector<Key>& keys) {
   keys.push_back(boolean("realtime.fifo", "Live: threads under SCHED_FIFO where it is permitted.", SLAMD_FIELD(realtime.fifo)));
   keys.push_back(number("realtime.priority", 1, 90, "Live: SCHED_FIFO priority of the odometry; the threads before it lie up to three higher.", SLAMD_FIELD(realtime.priority)));
   keys.push_back(boolean("realtime.lock_memory", "Live: keep all memory in RAM where it is permitted.", SLAMD_FIELD(realtime.lock_memory)));
+  keys.push_back(text("lcm.url", "Where the messages go. ttl=0: not beyond this computer.", SLAMD_FIELD(lcm.url)));
+  keys.push_back(name("lcm.prefix", "Of the channels' names; two daemons on one network need two.", SLAMD_FIELD(lcm.prefix)));
+  keys.push_back(number("lcm.scan_points", 0, 100000, "Points of a scan that are sent; 0: no scans.", SLAMD_FIELD(lcm.scan_points)));
 }
 
 #undef SLAMD_FIELD
@@ -348,6 +358,7 @@ std::string Key::allowed() const {
   switch (kind) {
     case Kind::kBoolean: return "true or false";
     case Kind::kText: return "a text in quotes";
+    case Kind::kName: return "1 to 40 letters, digits, '_' or '-', in quotes";
     case Kind::kInteger:
       return "a whole number from " + std::to_string(static_cast<long long>(min)) + " to " +
              std::to_string(static_cast<long long>(max));

@@ -14,7 +14,7 @@ using Value = std::variant<bool, double, std::string, std::vector<double>, std::
 
 /// One key of the configuration: the only place that knows its name, type, range and meaning.
 struct Key {
-  enum class Kind { kBoolean, kInteger, kNumber, kText, kChoice, kVector3, kBoxes };
+  enum class Kind { kBoolean, kInteger, kNumber, kText, kName, kChoice, kVector3, kBoxes };
 
   std::string path;  // with dots: "lidar.T_base_lidar.xyz_m"
   Kind kind = Kind::kNumber;

@@ -1,6 +1,7 @@
 #include "daemon/configuration/loader.hpp"
 
 #include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <fstream>
@@ -131,6 +132,14 @@ Value checked(const toml::node& node, const Key& key, const std::string& place) 
         return *node.value<std::string>();
       }
       break;
+    case Key::Kind::kName: {
+      const auto name = node.is_string() ? *node.value<std::string>() : std::string();
+      const auto allowed = [](char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c == '-'; };
+      if (!name.empty() && name.size() <= 40 && std::all_of(name.begin(), name.end(), allowed)) {
+        return name;
+      }
+      break;
+    }
     case Key::Kind::kChoice: {
       const auto name = node.is_string() ? node.value<std::string>() : std::nullopt;
       if (key.path == "lidar.model" && name && kLaterModels.count(*name) != 0) {
@@ -266,7 +275,7 @@ void Loader::add_override(const std::string& key_value) {
   if (key == nullptr) {
     throw ConfigurationError("--set " + key_value + ": " + why_unknown(path));
   }
-  const bool quoted = key->kind == Key::Kind::kText || key->kind == Key::Kind::kChoice;
+  const bool quoted = key->kind == Key::Kind::kText || key->kind == Key::Kind::kName || key->kind == Key::Kind::kChoice;
   const std::string toml_text = "value = " + (quoted && value.find('"') == std::string::npos ? '"' + value + '"' : value);
   toml::table table;
   try {

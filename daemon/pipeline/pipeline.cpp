@@ -24,7 +24,7 @@ bus::PublisherConfig publisher_config(const Configuration& configuration) {
   bus::PublisherConfig config;
   config.url = configuration.lcm.url;
   config.prefix = configuration.lcm.prefix;
-  config.scan_points = configuration.lcm.scan_points;
+  config.scan_points = static_cast<std::size_t>(configuration.lcm.scan_points);
   return config;
 }
 

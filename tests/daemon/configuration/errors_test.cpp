@@ -62,6 +62,13 @@ INSTANTIATE_TEST_SUITE_P(
                "robot.toml:3: lidar.max_range_m = '90 m': must be a number from 1 to 1000"},
         Broken{"NumberForAText", "[[lidar]]\nmodel = \"vlp16\"\nsource = 5\n",
                "robot.toml:3: lidar.source = 5: must be a text in quotes"},
+        Broken{"SpaceInAName", "[[lidar]]\nmodel = \"vlp16\"\n[lcm]\nprefix = \"robot 2\"\n",
+               "robot.toml:4: lcm.prefix = 'robot 2': must be 1 to 40 letters, digits, '_' or '-', in quotes"},
+        Broken{"EmptyName", "[[lidar]]\nmodel = \"vlp16\"\n[lcm]\nprefix = \"\"\n",
+               "robot.toml:4: lcm.prefix = '': must be 1 to 40 letters, digits, '_' or '-', in quotes"},
+        Broken{"NameTooLong", "[[lidar]]\nmodel = \"vlp16\"\n[lcm]\nprefix = \"a2345678901234567890123456789012345678901\"\n",
+               "robot.toml:4: lcm.prefix = 'a2345678901234567890123456789012345678901': must be 1 to 40 letters, digits, "
+               "'_' or '-', in quotes"},
         Broken{"NumberForAFlag", "[[lidar]]\nmodel = \"vlp16\"\n[gnss]\nuse = 1\n",
                "robot.toml:4: gnss.use = 1: must be true or false"},
         Broken{"FractionOfAWholeNumber", "[[lidar]]\nmodel = \"vlp16\"\nport = 2368.5\n",

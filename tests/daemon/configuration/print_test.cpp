@@ -28,6 +28,7 @@ Value drawn(const Key& key, std::mt19937_64& engine) {
     case Key::Kind::kInteger: return std::floor(uniform(key.min, key.max));
     case Key::Kind::kNumber: return uniform(key.min, key.max);
     case Key::Kind::kText: return std::string("C:\\day \"one\"\t\x01\x7F\nü.csv");
+    case Key::Kind::kName: return std::string("Robot_2-b");
     case Key::Kind::kChoice:
       return key.choices[static_cast<std::size_t>(uniform(0.0, static_cast<double>(key.choices.size())))];
     case Key::Kind::kVector3:
@@ -62,6 +63,7 @@ TEST(PrintConfiguration, ReadsBackToTheSameConfigurationWhateverItHolds) {
     expect_same_transform(again.lidar.T_base_lidar, configuration.lidar.T_base_lidar);
     expect_same_transform(*again.imu.T_base_imu, *configuration.imu.T_base_imu);
     EXPECT_EQ(again.lidar.source, configuration.lidar.source);
+    EXPECT_EQ(again.lcm.prefix, configuration.lcm.prefix);
     EXPECT_EQ(again.lidar.scan_period, configuration.lidar.scan_period);
     EXPECT_EQ(again.odometry.preprocess.self_filter.max_range_m, configuration.odometry.preprocess.self_filter.max_range_m);
   }

@@ -1,0 +1,52 @@
+#include <cstdio>
+#include <random>
+#include <stdexcept>
+#include <string>
+
+#include <CLI/CLI.hpp>
+
+#include "tools/cli/cli.hpp"
+#include "tools/ctl/ctl.hpp"
+
+namespace {
+
+using namespace slamd;
+
+void declare(CLI::App& app, ctl::Options& options) {
+  app.add_option("--url", options.url, "LCM's URL, as lcm.url of the daemon")->capture_default_str();
+  app.add_option("--prefix", options.prefix, "Of the channels, as lcm.prefix of the daemon")->capture_default_str();
+  app.add_option("--timeout", options.timeout_s, "How long to wait for the answer, s")->check(CLI::Range(0.1, 3600.0))->capture_default_str();
+  app.require_subcommand(1);
+  const auto add = [&](const char* verb, const char* help, const char* names, int arguments) {
+    CLI::App* command = app.add_subcommand(verb, help);
+    if (arguments > 0) {
+      command->add_option(names, options.command.arguments)->required()->expected(arguments)->option_text(" ");
+    }
+    command->callback([&options, verb] { options.command.verb = verb; });
+  };
+  add("new-map", "Forgets the map and begins a new one here", "", 0);
+  add("save", "Saves the session to a file of the daemon's computer", "FILE", 1);
+  add("set-pose", "Says where base is in map: m, m, m, degrees", "X_Y_Z_YAW_DEG", 4);
+  add("seal", "Keeps what the black box holds now", "", 0);
+  app.footer("Exit: 0 done, 1 refused or no answer, 2 bad usage.");
+}
+
+int run(ctl::Options& options) {
+  if (!bus::is_prefix(options.prefix)) {
+    throw cli::UsageError("--prefix: 1 to 40 letters, digits, '_' and '-'");
+  }
+  std::random_device random;
+  options.command.id = std::uint64_t{random()} << 32U | random();
+  bus::Connection connection(options.url);
+  const bus::Reply reply = ctl::ask(connection, options);
+  std::printf("%s%s\n", reply.ok ? "" : "refused: ", ctl::printable(reply.text).c_str());
+  return reply.ok ? 0 : 1;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  ctl::Options options;
+  return cli::run_program(argc, argv, "slamd-ctl", "Gives an order to a running slamd and prints its answer.",
+                          [&](CLI::App& app) { declare(app, options); }, [&] { return run(options); });
+}

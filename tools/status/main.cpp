@@ -1,0 +1,98 @@
+#include <sys/ioctl.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
+#include <string>
+
+#include <CLI/CLI.hpp>
+
+#include "daemon/bus/channels.hpp"
+#include "tools/cli/cli.hpp"
+#include "tools/status/dashboard.hpp"
+#include "tools/status/json.hpp"
+#include "tools/status/listener.hpp"
+
+namespace {
+
+using namespace slamd;
+using status::Clock;
+
+constexpr std::chrono::milliseconds kRedraw{500};
+
+struct Options {
+  std::string url{bus::kDefaultUrl};
+  std::string prefix{bus::kDefaultPrefix};
+  double timeout_s = 2.0;
+  bool once = false;
+  bool json = false;
+};
+
+volatile std::sig_atomic_t stop = 0;
+
+void declare(CLI::App& app, Options& options) {
+  app.add_option("--url", options.url, "LCM's URL, as lcm.url of the daemon")->capture_default_str();
+  app.add_option("--prefix", options.prefix, "Of the channels, as lcm.prefix of the daemon")->capture_default_str();
+  app.add_flag("--once", options.once, "Print one picture when health is heard, and exit");
+  app.add_flag("--json", options.json, "Print JSON, one line each time");
+  app.add_option("--timeout", options.timeout_s, "How long --once waits for health, s")->check(CLI::Range(0.1, 3600.0))->capture_default_str();
+  app.footer("Exit: 0 TRACKING; 3 heard, but another state; 1 no health heard, or no way to LCM; 2 bad usage.\n"
+             "Without --once it runs until interrupted, and the last health heard counts.");
+}
+
+status::Look look_of(const Options& options) {
+  status::Look look{.url = options.url, .prefix = options.prefix};
+  winsize size{};
+  const bool terminal = isatty(STDOUT_FILENO) != 0;
+  if (!terminal || ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) != 0 || size.ws_row == 0 || size.ws_col == 0) {
+    size.ws_row = options.once ? 1000 : 24;
+    size.ws_col = options.once ? 1000 : 80;
+  }
+  const char* no_colour = std::getenv("NO_COLOR");
+  look.colour = terminal && (no_colour == nullptr || *no_colour == '\0');
+  look.rows = size.ws_row;
+  look.columns = size.ws_col;
+  return look;
+}
+
+void print(const status::Heard& heard, const Options& options, const char* before) {
+  const std::string text =
+      options.json ? status::to_json(heard, Clock::now()) : before + status::draw(heard, Clock::now(), look_of(options));
+  std::fputs(text.c_str(), stdout);
+  std::fflush(stdout);
+}
+
+int run(const Options& options) {
+  if (!bus::is_prefix(options.prefix)) {
+    throw cli::UsageError("--prefix: 1 to 40 letters, digits, '_' and '-'");
+  }
+  bus::Connection connection(options.url);
+  status::Listener listener(connection, options.prefix);
+  if (options.once) {
+    const auto timeout = std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(options.timeout_s));
+    listener.listen_for_health(Clock::now() + timeout);
+    listener.listen_until(Clock::now() + std::chrono::milliseconds(listener.heard().pose.message ? 0 : 50));
+    print(listener.heard(), options, "");
+    return status::exit_code_of(listener.heard());
+  }
+  struct sigaction action {};
+  action.sa_handler = [](int) { stop = 1; };
+  sigaction(SIGINT, &action, nullptr);
+  sigaction(SIGTERM, &action, nullptr);
+  const char* before = isatty(STDOUT_FILENO) != 0 ? "\033[H\033[J" : "";
+  while (stop == 0) {
+    listener.listen_until(Clock::now() + kRedraw);
+    print(listener.heard(), options, before);
+  }
+  return status::exit_code_of(listener.heard());
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Options options;
+  return cli::run_program(argc, argv, "slamd-status", "Shows how a running slamd is.",
+                          [&](CLI::App& app) { declare(app, options); }, [&] { return run(options); });
+}
