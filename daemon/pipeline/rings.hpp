@@ -35,10 +35,10 @@ using JobPool = Pool<ScanJob>;
 /// A ring of handles is as long as its pool and so never overflows: an empty pool drops the newest block or scan, which
 /// its owner counts. The other rings are as long as a second of their data; when full, the newest is dropped, counted.
 struct Rings {
-  Rings(const odometry::OdometryConfig& config, std::size_t blocks, std::size_t imu_samples)
-      : block_pool(blocks),
+  Rings(const odometry::OdometryConfig& config, std::size_t block_count, std::size_t imu_samples)
+      : block_pool(block_count),
         job_pool(kJobs, config),
-        blocks(blocks),
+        blocks(block_count),
         imu_to_preprocess(imu_samples),
         imu_to_publish(imu_samples),
         to_odometry(kJobs),
