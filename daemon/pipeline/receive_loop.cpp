@@ -144,7 +144,7 @@ void ReceiveLoop::take_packet(const Datagram& datagram, UdpReceiver& receiver) {
       counts_.imu.last = datagram.received;
       hand_on({*outcome.imu, datagram.received});
     } else {
-      ++other_packets_;
+      (outcome.is_position ? counts_.positions : other_packets_) += 1;
       return;
     }
   } else {

@@ -35,7 +35,7 @@ struct SensorCounts {
 struct ReceiveCounts {
   SensorCounts lidar;
   SensorCounts imu;
-  std::uint64_t positions = 0;
+  std::uint64_t positions = 0;         // good position packets
   std::uint64_t blocks_dropped = 0;    // no free block
   std::uint64_t samples_dropped = 0;   // a ring to a late thread was full
 };

@@ -83,6 +83,7 @@ PacketOutcome PacketStage::add_velodyne(const recording::Packet& packet, sensor:
     if (velodyne::decode_position(packet.payload, position) == velodyne::PositionResult::kOk) {
       position_ = position;
       ++positions_;
+      outcome.is_position = true;
     } else {
       ++positions_refused_;
     }

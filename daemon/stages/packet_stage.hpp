@@ -20,6 +20,7 @@ namespace slamd::stages {
 /// What a packet has brought.
 struct PacketOutcome {
   bool has_block = false;                   // the caller's block now holds its points
+  bool is_position = false;                 // a good position packet of a Velodyne
   std::optional<sensor::ImuSample> imu;     // from a built-in inertial sensor
 };
 

@@ -26,7 +26,7 @@ class Replay : public scratch::ScratchFolder {
   static void SetUpTestSuite() {
     drive_ = fs::path(testing::TempDir()) / ("slamd_replay_drive_" + std::to_string(getpid()));
     fs::create_directories(drive_);
-    simulate::simulate({.seed = 3, .duration_s = 6.0, .rest_s = 2.0}, drive_, nullptr);
+    simulate::simulate({.seed = 3, .duration_s = 4.5, .rest_s = 1.4}, drive_, nullptr);
   }
 
   static void TearDownTestSuite() { fs::remove_all(drive_); }
@@ -71,7 +71,7 @@ TEST_F(Replay, AccountsForEachScanAndEachPacket) {
 
   EXPECT_GT(sut.scans.size(), 30U);
   EXPECT_EQ(sut.scans_seen, sut.scans.size() + sut.scans_before_start);
-  EXPECT_GT(count_of(sut.packets, "data"), 4000U);
+  EXPECT_GT(count_of(sut.packets, "data"), 3000U);
   EXPECT_GT(count_of(sut.packets, "position"), 200U);
   EXPECT_EQ(count_of(sut.blocks, "accepted"), count_of(sut.packets, "data"));
   EXPECT_EQ(count_of(sut.imu, "rows"), count_of(sut.imu, "accepted"));
@@ -152,7 +152,7 @@ TEST_F(Replay, CountsForeignAndBrokenPacketsByReasonAndDrivesOnAsIfTheyWereNotTh
 TEST_F(Replay, RunsWithoutAnInertialSensor) {
   const replay::Run sut = run_of(open_recording(drive_, {}, {"imu.enabled=false"}));
 
-  EXPECT_GT(sut.scans.size(), 50U);
+  EXPECT_GT(sut.scans.size(), 40U);
   EXPECT_LE(sut.scans_before_start, 1U);  // the part of a revolution at its beginning
   EXPECT_FALSE(sut.alignment.has_value());
 }
