@@ -191,19 +191,21 @@ TEST(UdpReceiver, NeverTakesALossBack) {
   config.receive_buffer_bytes = 8192;
   UdpReceiver sut(config, HostClock());
   Sender sender(sut.port());
-  for (std::uint32_t i = 0; i < 100; ++i) {
-    sender.send(i);
-  }
-
   std::uint64_t lost = 0;
-  while (sut.receive([&](const Datagram&) {  // queued before the losses, which are known by now
-    EXPECT_GE(sut.counters().kernel_lost, lost);
-    lost = sut.counters().kernel_lost;
-  }) > 0) {
+
+  for (int round = 0; round < 2; ++round) {
+    for (std::uint32_t i = 0; i < 100; ++i) {
+      sender.send(i);
+    }
+    while (sut.receive([&](const Datagram&) {  // the second round's were queued between losses that are known by now
+      EXPECT_GE(sut.counters().kernel_lost, lost);
+      lost = sut.counters().kernel_lost;
+    }) > 0) {
+    }
   }
 
-  EXPECT_GT(lost, 50U);
-  EXPECT_LT(lost, 100U);
+  EXPECT_GT(lost, 100U);
+  EXPECT_LT(lost, 200U);
 }
 
 TEST(UdpReceiver, TellsOfLossesWhileItIsStillBehind) {
