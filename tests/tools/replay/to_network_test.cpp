@@ -274,7 +274,7 @@ TEST_F(ToNetwork, KeepsTheTerminalUntilASlowReaderHasTakenAll) {
   transport::SerialPort port({folder_ / "imu"});
   imu::CsvRows rows;
   std::uint64_t received = 0;
-  const Duration end = clock_.now() + milliseconds(2495);  // of the rows
+  const Duration end = clock_.now() + milliseconds(2520);  // of all that is sent
   clock_.while_asleep = [&] {
     drain();
     if (!port.is_open()) {
