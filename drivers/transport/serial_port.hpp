@@ -15,7 +15,7 @@ struct SerialPortConfig {
 
 /// Reads bytes from a serial port (or a pseudo terminal), raw and without blocking. A port that is unplugged closes
 /// itself; open() may be called again until the device is back.
-/// Threads: one.  Real-time: allocates in the constructor only.
+/// Threads: one.  Real-time: allocates in the constructor only; open() and close() may take milliseconds in the driver.
 class SerialPort {
  public:
   /// Opens nothing yet. Errors: TransportError when the rate is no standard one.

@@ -1,3 +1,6 @@
+#include <sched.h>
+#include <sys/prctl.h>
+
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
@@ -36,8 +39,10 @@ void declare(CLI::App& app, Options& options) {
   app.add_option("--config", options.configs, "TOML file; wins over recording.toml key by key");
   app.add_option("--set", options.overrides, "key=value; wins over all files")->take_all();
   app.add_option("--compare", options.compare, "Run a second filter on the same recording, side by side")->check(CLI::IsMember({"psf", "iekf"}));
-  CLI::Option* to_network = app.add_option("--to-network", options.to_network, "HOST[:DATA_PORT[:POSITION_PORT]]: send the packets there with their timing instead of mapping them");
-  app.add_option("--speed", options.speed, "With --to-network: times real time; 0: as fast as it goes")->check(CLI::Range(0.0, 1000.0))->needs(to_network);
+  CLI::Option* to_network =
+      app.add_option("--to-network", options.to_network, "HOST[:DATA_PORT[:POSITION_PORT]]: send the packets there with their timing instead of mapping them")
+          ->excludes("--out", "--compare");
+  app.add_option("--speed", options.speed, "With --to-network: times real time; 0: as fast as it goes")->needs(to_network);
   app.add_option("--imu-to", options.imu_to, "With --to-network: where the rows of imu.csv go, udp:HOST:PORT or pty:LINKPATH")->needs(to_network);
   app.add_flag("--json", options.json, "Print the report as JSON instead of the summary");
   app.add_flag("--print-config", options.print_configuration, "Print the complete configuration and exit");
@@ -65,8 +70,18 @@ void catch_interrupts() {
   }
 }
 
+/// A sensor is not late because this computer is busy: sends ahead of ordinary threads where that is permitted.
+void ask_for_punctuality() {
+  const sched_param lowest_of_real_time{1};
+  sched_setscheduler(0, SCHED_FIFO, &lowest_of_real_time);
+  prctl(PR_SET_TIMERSLACK, 1UL);
+}
+
 int send(const replay::Recording& recording, const Options& options) {
   replay::ToNetworkOptions target;
+  if (options.speed != 0.0 && !(options.speed >= 0.01 && options.speed <= 1000.0)) {
+    throw cli::UsageError("--speed: must be from 0.01 to 1000, or 0: as fast as it goes");
+  }
   target.speed = options.speed;
   replay::parse_destination(options.to_network, target);
   if (!options.imu_to.empty()) {
@@ -76,6 +91,7 @@ int send(const replay::Recording& recording, const Options& options) {
     }
   }
   catch_interrupts();
+  ask_for_punctuality();
   if (!target.imu_terminal.empty()) {
     std::fprintf(stderr, "slamd-replay: %s: waiting for its reader, up to %.0f s\n", target.imu_terminal.c_str(),
                  to_seconds(replay::kReaderPatience));

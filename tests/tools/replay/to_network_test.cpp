@@ -37,12 +37,10 @@ class VirtualClock : public SendClock {
       while_asleep();
     }
     now_ = std::max(now_, deadline + oversleeps);
-    ++sleeps;
   }
 
   std::function<void()> while_asleep;
   Duration oversleeps{};
-  int sleeps = 0;
 
  private:
   Duration now_ = seconds(1000);
@@ -188,11 +186,18 @@ TEST_F(ToNetwork, PausesAfterEachBurstWhenItIsInNoTimeOrLate) {
     data_.payloads.clear();
     sent_data_.clear();
     options_.speed = speed;
-    clock_.sleeps = 0;
+    std::size_t seen = data_.payloads.size() + position_.payloads.size();
+    std::size_t longest_burst = 0;
+    clock_.while_asleep = [&] {
+      drain();
+      const std::size_t now_seen = data_.payloads.size() + position_.payloads.size();
+      longest_burst = std::max(longest_burst, now_seen - seen);
+      seen = now_seen;
+    };
 
     send(made_recording(1000, Duration(0)));  // all at once
 
-    EXPECT_GE(clock_.sleeps, 800 / kBurst) << speed;
+    EXPECT_EQ(longest_burst, static_cast<std::size_t>(kBurst)) << speed;
     EXPECT_TRUE(data_.payloads == sent_data_) << speed;
   }
 }
@@ -262,6 +267,50 @@ TEST_F(ToNetwork, SendsRowsThroughATerminalWithoutLosingOne) {
   EXPECT_TRUE(data_.payloads == sent_data_);
 }
 
+TEST_F(ToNetwork, KeepsTheTerminalUntilASlowReaderHasTakenAll) {
+  write_imu(500);
+  const Recording recording = made_recording(2000);
+  options_.imu_terminal = folder_ / "imu";
+  transport::SerialPort port({folder_ / "imu"});
+  imu::CsvRows rows;
+  std::uint64_t received = 0;
+  const Duration end = clock_.now() + milliseconds(2520);  // of all that is sent
+  clock_.while_asleep = [&] {
+    drain();
+    if (!port.is_open()) {
+      ASSERT_EQ(port.open(), 0);
+    } else if (clock_.now() > end) {
+      rows.add_stream(port.read(), Stamp{}, [&](const sensor::ImuReading&) { ++received; });
+    }
+  };
+
+  const ToNetworkReport sut = send(recording);
+
+  EXPECT_EQ(sut.imu_rows, 500U);
+  EXPECT_EQ(received, 500U);
+}
+
+TEST_F(ToNetwork, KeepsTheOrderOfACaptureWhoseStampsGoBack) {
+  write_imu(10);
+  const Recording recording = made_recording(0);
+  recording::PcapWriter writer(recording.lidar);
+  for (const int at_ms : {100, 900, 300, 1000}) {
+    std::vector<std::byte> numbered(1206, static_cast<std::byte>(at_ms / 10));
+    Packet packet;
+    packet.received = kBegin + milliseconds(at_ms);
+    packet.destination_port = 2368;
+    packet.payload = numbered;
+    writer.write(packet);
+    sent_data_.push_back(numbered);
+  }
+  writer.close();
+
+  const ToNetworkReport sut = send(recording);
+
+  EXPECT_TRUE(data_.payloads == sent_data_);
+  EXPECT_EQ(sut.worst_lateness, Duration(0));
+}
+
 TEST_F(ToNetwork, CountsRowsThatNobodyReadsFromTheTerminal) {
   write_imu(100);
   options_.imu_terminal = folder_ / "imu";
@@ -324,7 +373,6 @@ TEST_F(ToNetwork, TellsPacketsOfABuiltInImuFromPoints) {
 
 TEST_F(ToNetwork, KeepsTheRecordedPortsUnlessOthersAreNamed) {
   write_imu(10);
-  write("recording.toml", "");
   Recording recording = made_recording(3);
   Listener own;
   recording::PcapWriter writer(recording.lidar);
