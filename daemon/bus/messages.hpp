@@ -129,9 +129,9 @@ struct Health {
   std::uint8_t weak_axes = 0;  // as in Pose
   FixedVector<Text<79>, 3> causes;  // in words, the most important first: "imu: silent for 1.2 s"
   FixedVector<SensorHealth, 4> sensors;
-  FixedVector<StageHealth, 6> stages;
+  FixedVector<StageHealth, 8> stages;
   FixedVector<PoolHealth, 6> pools;
-  FixedVector<CounterHealth, 8> counters;
+  FixedVector<CounterHealth, 12> counters;
   float swarm_use = 0.0F;         // share of scans whose swarm moved the pose
   std::uint32_t particles = 0;    // of the last swarm
   float inlier_share = 0.0F;      // of the last scan's constraints

@@ -54,6 +54,7 @@ void Pipeline::run(const char* name, int priority, Loop& loop) {
 
 void Pipeline::start() {
   stopping_ = false;
+  publisher_.publish(bus::MapToOdom{});  // LCM allocates its locks with its first message: before the threads start
   // What is nearest to the sensors goes first: a packet that is not fetched is lost, a scan can wait.
   run("slamd-odometry", 0, odometry_);
   run("slamd-preproc", 1, preprocess_);

@@ -12,7 +12,7 @@ namespace {
 
 /// Touches the stack that is to be used, so that no page fault comes later.
 __attribute__((noinline)) void prefault_stack() {
-  constexpr std::size_t kBytes = RealTimeThread::kStackBytes - 64 * 1024;  // what glibc and the caller have used
+  constexpr std::size_t kBytes = RealTimeThread::kStackBytes * 3 / 4;  // the rest: what glibc and the caller have used
   constexpr std::size_t kPage = 4096;
   [[maybe_unused]] volatile std::byte stack[kBytes];
   for (std::size_t i = 0; i < kBytes; i += kPage) {

@@ -18,7 +18,11 @@ struct Scheduling {
 /// it runs under SCHED_OTHER, and is_fifo() says so.
 class RealTimeThread {
  public:
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  static constexpr std::size_t kStackBytes = 2048 * 1024;  // their frames are many times larger
+#else
   static constexpr std::size_t kStackBytes = 256 * 1024;
+#endif
 
   RealTimeThread(const std::string& name, Scheduling scheduling, std::function<void()> body);
   ~RealTimeThread();

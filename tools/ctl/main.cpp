@@ -1,7 +1,8 @@
 #include <cstdio>
+#include <memory>
 #include <random>
-#include <stdexcept>
 #include <string>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 
@@ -17,17 +18,22 @@ void declare(CLI::App& app, ctl::Options& options) {
   app.add_option("--prefix", options.prefix, "Of the channels, as lcm.prefix of the daemon")->capture_default_str();
   app.add_option("--timeout", options.timeout_s, "How long to wait for the answer, s")->check(CLI::Range(0.1, 3600.0))->capture_default_str();
   app.require_subcommand(1);
-  const auto add = [&](const char* verb, const char* help, const char* names, int arguments) {
+  const auto add = [&](const char* verb, const char* help, const std::vector<std::string>& names) {
     CLI::App* command = app.add_subcommand(verb, help);
-    if (arguments > 0) {
-      command->add_option(names, options.command.arguments)->required()->expected(arguments)->option_text(" ");
+    command->fallthrough();  // --timeout may stand behind, too
+    const auto values = std::make_shared<std::vector<std::string>>(names.size());
+    for (std::size_t i = 0; i < names.size(); ++i) {
+      command->add_option(names[i], (*values)[i])->required()->option_text(" ");
     }
-    command->callback([&options, verb] { options.command.verb = verb; });
+    command->callback([&options, verb, values] {
+      options.command.verb = verb;
+      options.command.arguments = *values;
+    });
   };
-  add("new-map", "Forgets the map and begins a new one here", "", 0);
-  add("save", "Saves the session to a file of the daemon's computer", "FILE", 1);
-  add("set-pose", "Says where base is in map: m, m, m, degrees", "X_Y_Z_YAW_DEG", 4);
-  add("seal", "Keeps what the black box holds now", "", 0);
+  add("new-map", "Forgets the map and begins a new one here", {});
+  add("save", "Saves the session to a file of the daemon's computer", {"FILE"});
+  add("set-pose", "Says where base is in map: m, m, m, degrees", {"X", "Y", "Z", "YAW_DEG"});
+  add("seal", "Keeps what the black box holds now", {});
   app.footer("Exit: 0 done, 1 refused or no answer, 2 bad usage.");
 }
 

@@ -1,5 +1,6 @@
 #include "tools/status/dashboard.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdarg>
 #include <cstdio>
@@ -11,6 +12,7 @@ namespace slamd::status {
 
 namespace {
 
+constexpr std::chrono::seconds kSilence{3};
 constexpr double kDegree = M_PI / 180.0;
 constexpr const char* kAxes[] = {"x", "y", "z", "roll", "pitch", "yaw"};
 
@@ -42,10 +44,12 @@ std::string cut(const std::string& text, std::size_t columns) {
   return text;
 }
 
+constexpr const char* kRed = "\033[31m";
+
 const char* colour_of(bus::State state) {
   switch (state) {
     case bus::State::kTracking: return "\033[32m";
-    case bus::State::kLost: return "\033[31m";
+    case bus::State::kLost: return kRed;
     default: return "\033[33m";
   }
 }
@@ -68,9 +72,9 @@ void draw_pose(const bus::Pose& pose, std::vector<std::string>& lines) {
   const Eigen::Vector3d& p = pose.T_odom_base.translation();
   const Eigen::Vector3d rpy_deg = geometry::rpy_from_rotation(pose.T_odom_base.rotation()) / kDegree;
   const auto std_of = [&pose](int i) { return std::sqrt(std::max(0.0, pose.P_odom_base(i, i))); };
-  lines.push_back(line("pose   x %9.2f   y %9.2f   z %8.2f m     roll %6.1f pitch %6.1f yaw %6.1f", p.x(), p.y(), p.z(),
+  lines.push_back(line("pose  x %8.2f  y %8.2f  z %7.2f m  roll %6.1f pitch %6.1f yaw %6.1f", p.x(), p.y(), p.z(),
                        rpy_deg.x(), rpy_deg.y(), rpy_deg.z()));
-  lines.push_back(line("  std  x %9.3f   y %9.3f   z %8.3f m     roll %6.2f pitch %6.2f yaw %6.2f", std_of(0), std_of(1),
+  lines.push_back(line("  std x %8.3f  y %8.3f  z %7.3f m  roll %6.2f pitch %6.2f yaw %6.2f", std_of(0), std_of(1),
                        std_of(2), std_of(3) / kDegree, std_of(4) / kDegree, std_of(5) / kDegree));
   lines.push_back(line("  speed %.2f m/s   resets %u   correction %u   message age %.2f ms", pose.v_odom_base.norm(),
                        pose.reset_counter, pose.correction_id, 1e3 * to_seconds(pose.age)));
@@ -81,9 +85,9 @@ void draw_health(const bus::Health& health, std::vector<std::string>& lines) {
     lines.push_back("  because " + of(cause.view()));
   }
   if (!health.sensors.empty()) {
-    lines.emplace_back("sensor          state            Hz   received     lost  dropped time      resid us");
+    lines.emplace_back("sensor         state              Hz  received    lost dropped time       res us");
     for (const auto& s : health.sensors) {
-      lines.push_back(line("  %-13s %-12s %6.1f %10llu %8llu %8llu %-9s %8.0f", of(s.name.view()).c_str(), name_of(s.state),
+      lines.push_back(line("  %-12s %-14s %6.1f %9llu %7llu %7llu %-9s %6.0f", of(s.name.view()).c_str(), name_of(s.state),
                            static_cast<double>(s.rate_hz), static_cast<unsigned long long>(s.received),
                            static_cast<unsigned long long>(s.lost), static_cast<unsigned long long>(s.dropped),
                            name_of(s.time), static_cast<double>(s.time_residual_us)));
@@ -126,11 +130,13 @@ std::string draw(const Heard& heard, Clock::time_point now, const Look& look) {
   const auto& pose = heard.pose.message;
   const bool has_state = health || pose;
   const bus::State state = health ? health->state : pose ? pose->state : bus::State::kStarting;
-  const std::string name = has_state ? name_of(state) : "?";
+  const auto newest = std::max({heard.health.when, heard.pose.when, heard.map_to_odom.when});
+  const bool silent = now - newest > kSilence;
+  const std::string name = std::string(silent ? "SILENT, was " : "") + (has_state ? name_of(state) : "?");
   lines.push_back(name + "   " + look.prefix +
                   (health ? line("   up %.0f s   health ", to_seconds(health->uptime)) + age_of(heard.health.when, now)
                           : "   no health heard") +
-                  (pose ? line("   pose %.0f Hz, ", heard.pose_rate_hz) + age_of(heard.pose.when, now) : "   no pose heard"));
+                  (pose ? (heard.pose_rate_hz > 0.0 ? line("   pose %.0f Hz, ", heard.pose_rate_hz) : "   pose ") + age_of(heard.pose.when, now) : "   no pose heard"));
   if (pose) {
     draw_pose(*pose, lines);
   }
@@ -144,7 +150,7 @@ std::string draw(const Heard& heard, Clock::time_point now, const Look& look) {
   for (std::size_t i = 0; i < lines.size() && i + 1 < look.rows; ++i) {  // the last row is the cursor's
     std::string text = cut(lines[i], look.columns);
     if (i == 0 && look.colour && has_state) {
-      text = colour_of(state) + text.insert(std::min(name.size(), text.size()), "\033[0m");
+      text = (silent ? kRed : colour_of(state)) + text.insert(std::min(name.size(), text.size()), "\033[0m");
     }
     result += text + "\n";
   }

@@ -48,6 +48,23 @@ TEST(Crc32, IsTheOneOfEthernet) {
   EXPECT_EQ(crc32(0, std::as_bytes(std::span(text))), 0xCBF43926U);
 }
 
+TEST(ScanChunker, CutsTheExampleOfTheProtocolAsItIsWritten) {
+  std::vector<Eigen::Vector3f> points(201, Eigen::Vector3f(1.0F, -2.0F, 3.0F));
+  points[200] = {0.5F, 0.0F, -0.25F};
+  Scan scan;
+  scan.points_imu = points;
+  ScanChunker sut(2000);
+
+  const auto chunks = chunks_of(sut, scan);
+
+  ASSERT_EQ(chunks.size(), 2U);
+  EXPECT_EQ(chunks[0].points_cm.size(), 200U);
+  EXPECT_EQ(chunks[0].points_cm[0], (ScanChunk::Point{100, -200, 300}));
+  ASSERT_EQ(chunks[1].points_cm.size(), 1U);
+  EXPECT_EQ(chunks[1].points_cm[0], (ScanChunk::Point{50, 0, -25}));
+  EXPECT_EQ(chunks[1].scan_crc32, 0x9CE49564U);  // as zlib's crc32 gives it for the 1,206 bytes
+}
+
 TEST(ScanAssembly, GivesTheScanBackToHalfACentimetre) {
   const auto points = made_points(1001);
   ScanChunker chunker(2000);

@@ -59,12 +59,31 @@ TEST(Dashboard, ShowsStateCausesSensorsLatencyAndPose) {
 
   EXPECT_THAT(text, StartsWith("DEGRADED   SLAMD   up 75 s   health 0.3 s ago   pose 200 Hz, 1.5 s ago\n"));
   EXPECT_THAT(text, HasSubstr("because imu: silent for 1.2 s\n"));
-  EXPECT_THAT(text, HasSubstr("  vlp16         running         9.9       4321       17"));
+  EXPECT_THAT(text, HasSubstr("  vlp16        running           9.9      4321      17       0 locked"));
   EXPECT_THAT(text, HasSubstr("  odometry             12.34      45.60      78.90         99\n"));
-  EXPECT_THAT(text, HasSubstr("pose   x      1.00   y     -2.00   z     0.50 m"));
-  EXPECT_THAT(text, HasSubstr("  std  x     0.000   y     3.317"));  // the root of 11
+  EXPECT_THAT(text, HasSubstr("pose  x     1.00  y    -2.00  z    0.50 m"));
+  EXPECT_THAT(text, HasSubstr("  std x    0.000  y    3.317"));  // the root of 11
   EXPECT_THAT(text, HasSubstr("weak axes x yaw "));
   EXPECT_THAT(text, HasSubstr("scans 5/8"));
+}
+
+TEST(Dashboard, SaysWhenTheDaemonFellSilent) {
+  const Heard heard = made_heard();
+
+  const std::string text = draw(heard, kNow + std::chrono::seconds(10), kLook);
+
+  EXPECT_THAT(text, StartsWith("SILENT, was DEGRADED   SLAMD   up 75 s   health 10.3 s ago"));
+}
+
+TEST(Dashboard, NeedsNoMoreThan80Columns) {
+  Look wide = kLook;
+  wide.columns = 1000;
+
+  const auto lines = lines_of(draw(made_heard(), kNow, wide));
+
+  for (std::size_t i = 1; i < lines.size(); ++i) {
+    EXPECT_LE(lines[i].size(), 80U) << lines[i];
+  }
 }
 
 TEST(Dashboard, FitsTheTerminalHoweverMuchThereIsToTell) {

@@ -1,0 +1,74 @@
+// Any bytes as messages of the bus: the decoders refuse or understand them, and what was understood encodes again.
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/base/assert.hpp"
+#include "daemon/bus/encoding.hpp"
+
+namespace {
+
+using namespace slamd::bus;
+
+template <typename Message>
+std::vector<std::byte> made(const Message& message) {
+  std::vector<std::byte> bytes(kLargestMessage_bytes);
+  bytes.resize(encode(message, bytes));
+  return bytes;
+}
+
+Health full_health() {
+  Health health;
+  health.causes.resize(health.causes.capacity());
+  health.sensors.resize(health.sensors.capacity());
+  health.stages.resize(health.stages.capacity());
+  health.pools.resize(health.pools.capacity());
+  health.counters.resize(health.counters.capacity());
+  return health;
+}
+
+template <typename Message>
+void check(const std::optional<Message>& message) {
+  std::array<std::byte, kLargestMessage_bytes> buffer;
+  SLAMD_ASSERT(!message || encode(*message, buffer) > 0);
+}
+
+void feed(std::span<const std::byte> message, ScanAssembly& assembly) {
+  check(decode_pose(message));
+  check(decode_map_to_odom(message));
+  check(decode_health(message));
+  check(decode_reply(message));
+  if (const auto command = decode_command(message)) {
+    check(command);
+    fault_of(*command);
+  }
+  if (const auto chunk = decode_scan_chunk(message)) {
+    check(chunk);
+    assembly.add(*chunk);
+  }
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
+  // Good messages, for their fingerprints and to be overwritten from some place on.
+  static const std::vector<std::vector<std::byte>> kGood{
+      made(Pose{}),        made(MapToOdom{}),
+      made(full_health()), made(Reply{.id = 1, .ok = true, .text = "done"}),
+      made(ScanChunk{}),   made(Command{.id = 1, .verb = "set-pose", .arguments = {"1", "2", "3", "4"}})};
+  const std::span<const std::byte> input = std::as_bytes(std::span(bytes, size));
+  ScanAssembly assembly;
+  feed(input, assembly);
+  if (size < 3) {
+    return 0;
+  }
+  std::vector<std::byte> message = kGood[bytes[0] % kGood.size()];
+  const std::size_t at = 8 + (std::size_t{bytes[1]} << 8U | bytes[2]) % (message.size() - 8);
+  const auto rest = input.subspan(3);
+  std::copy_n(rest.begin(), std::min(rest.size(), message.size() - at), message.begin() + static_cast<std::ptrdiff_t>(at));
+  feed(message, assembly);
+  feed(message, assembly);
+  return 0;
+}
