@@ -11,7 +11,7 @@ namespace slamd::threads {
 namespace {
 
 /// Touches the stack that is to be used, so that no page fault comes later.
-__attribute__((noinline)) void prefault_stack() {
+[[maybe_unused]] __attribute__((noinline)) void prefault_stack() {
   constexpr std::size_t kBytes = RealTimeThread::kStackBytes * 3 / 4;  // the rest: what glibc and the caller have used
   constexpr std::size_t kPage = 4096;
   [[maybe_unused]] volatile std::byte stack[kBytes];
@@ -43,7 +43,9 @@ RealTimeThread::RealTimeThread(const std::string& name, Scheduling scheduling, s
 RealTimeThread::~RealTimeThread() { pthread_join(thread_, nullptr); }
 
 void* RealTimeThread::run(void* self) {
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
   prefault_stack();
+#endif
   static_cast<RealTimeThread*>(self)->body_();
   return nullptr;
 }
