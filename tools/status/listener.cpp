@@ -21,7 +21,14 @@ Listener::Listener(bus::Connection& connection, const std::string& prefix) : con
       }
     };
   };
-  connection.subscribe(channels.pose, keep_newest(heard_.pose, &bus::decode_pose));
+  const auto keep_pose = keep_newest(heard_.pose, &bus::decode_pose);
+  connection.subscribe(channels.pose, [this, keep_pose](std::span<const std::byte> bytes) {
+    const std::uint64_t before = heard_.pose.count;
+    keep_pose(bytes);
+    if (take_pose_ && heard_.pose.count > before) {
+      take_pose_(*heard_.pose.message);
+    }
+  });
   connection.subscribe(channels.map_to_odom, keep_newest(heard_.map_to_odom, &bus::decode_map_to_odom));
   connection.subscribe(channels.health, keep_newest(heard_.health, &bus::decode_health));
   connection.subscribe(channels.scan, [this](std::span<const std::byte> bytes) {

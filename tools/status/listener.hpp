@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 
@@ -50,11 +51,15 @@ class Listener {
 
   const Heard& heard() const { return heard_; }
 
+  /// Calls `take` with every pose that comes from now on.
+  void on_pose(std::function<void(const bus::Pose&)> take) { take_pose_ = std::move(take); }
+
  private:
   void count_rate(Clock::time_point now);
 
   bus::Connection& connection_;
   bus::ScanAssembly assembly_;
+  std::function<void(const bus::Pose&)> take_pose_;
   Heard heard_;
   Clock::time_point rate_begin_{};
   std::uint64_t rate_count_ = 0;

@@ -5,11 +5,14 @@
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
+#include <memory>
+#include <stdexcept>
 #include <string>
 
 #include <CLI/CLI.hpp>
 
 #include "daemon/bus/channels.hpp"
+#include "drivers/recording/tum.hpp"
 #include "tools/cli/cli.hpp"
 #include "tools/status/dashboard.hpp"
 #include "tools/status/json.hpp"
@@ -26,9 +29,22 @@ struct Options {
   std::string url{bus::kDefaultUrl};
   std::string prefix{bus::kDefaultPrefix};
   double timeout_s = 2.0;
+  std::string tum;
   bool once = false;
   bool json = false;
 };
+
+using File = std::unique_ptr<std::FILE, int (*)(std::FILE*)>;
+
+/// Writes every pose as a line of a TUM trajectory, T_odom_base.
+File record_poses(const std::string& name, status::Listener& listener) {
+  File file(std::fopen(name.c_str(), "wb"), std::fclose);
+  if (!file) {
+    throw std::runtime_error(name + ": cannot be written");
+  }
+  listener.on_pose([stream = file.get()](const bus::Pose& pose) { recording::write_tum_line(stream, pose.stamp, pose.T_odom_base); });
+  return file;
+}
 
 volatile std::sig_atomic_t stop = 0;
 
@@ -36,6 +52,7 @@ void declare(CLI::App& app, Options& options) {
   app.add_option("--url", options.url, "LCM's URL, as lcm.url of the daemon")->capture_default_str();
   app.add_option("--prefix", options.prefix, "Of the channels, as lcm.prefix of the daemon")->capture_default_str();
   app.add_flag("--once", options.once, "Print one picture when health is heard, and exit");
+  app.add_option("--tum", options.tum, "Also write every pose that is heard to this TUM file, until interrupted")->type_name("FILE");
   app.add_flag("--json", options.json, "Print JSON, one line each time");
   app.add_option("--timeout", options.timeout_s, "How long --once waits for health, s")->check(CLI::Range(0.1, 3600.0))->capture_default_str();
   app.footer("Exit: 0 TRACKING; 3 heard, but another state; 1 no health heard, or no way to LCM; 2 bad usage.\n"
@@ -70,6 +87,7 @@ int run(const Options& options) {
   }
   bus::Connection connection(options.url);
   status::Listener listener(connection, options.prefix);
+  const File trajectory = options.tum.empty() ? File(nullptr, std::fclose) : record_poses(options.tum, listener);
   if (options.once) {
     const auto timeout = std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(options.timeout_s));
     listener.listen_for_health(Clock::now() + timeout);

@@ -1,0 +1,126 @@
+#!/usr/bin/env bash
+# The daemon on a network: a drive is re-sent in real time from one network namespace to another, and what a subscriber
+# hears is compared with the replay of the same recording. Needs root for the namespaces.
+set -uo pipefail
+cd "$(dirname "$0")/../.."
+. tests/system/verdicts.bash
+needs jq ip
+seconds=${SLAMD_LIVE_SECONDS:-25}
+
+if ! ip netns add slamd_probe 2>/dev/null; then
+  skip "network namespaces need root"
+  exit 0
+fi
+ip netns del slamd_probe
+
+pids=()
+finish() {
+  for pid in "${pids[@]}"; do kill "$pid" 2>/dev/null; done
+  wait 2>/dev/null
+  ip netns del slamd_host 2>/dev/null
+  ip netns del slamd_sensor 2>/dev/null
+  rm -rf "$scratch"
+}
+trap finish EXIT
+
+# Two computers and a cable: the robot's, and the sensor.
+ip netns add slamd_host
+ip netns add slamd_sensor
+ip link add slamd_a netns slamd_host type veth peer name slamd_b netns slamd_sensor
+ip -n slamd_host addr add 10.77.0.1/24 dev slamd_a
+ip -n slamd_sensor addr add 10.77.0.2/24 dev slamd_b
+for end in "slamd_host slamd_a" "slamd_host lo" "slamd_sensor slamd_b" "slamd_sensor lo"; do
+  read -r space device <<<"$end"
+  ip -n "$space" link set "$device" up
+done
+ip -n slamd_host route add 224.0.0.0/4 dev lo
+on_host() { ip netns exec slamd_host "$@"; }
+on_sensor() { ip netns exec slamd_sensor "$@"; }
+
+# live LIDAR IMU_SOURCE: maps a drive live and as a replay, and compares.
+live() {
+  local lidar=$1 imu=$2 work=$scratch/$1 daemon listener sent
+  mkdir -p "$work"
+  "$bin/slamd-simulate" --out "$work/drive" --lidar "$lidar" --seed 21 --duration "$seconds" --imu-rate 400 >/dev/null ||
+    { fail "$lidar: simulated"; return; }
+  local set=(--set "imu.source=$imu")
+  grep -v '^source' "$work/drive/recording.toml" >"$work/slamd.toml"
+  [ "$imu" = livox ] && sed -i '/^T_base_imu/d' "$work/slamd.toml"
+
+  ip netns exec slamd_host "$bin/slamd" --config "$work/slamd.toml" "${set[@]}" 2>"$work/slamd.log" &
+  daemon=$!
+  ip netns exec slamd_host "$bin/slamd-status" --json --tum "$work/live.tum" >"$work/status.log" &
+  listener=$!
+  pids+=("$daemon" "$listener")
+  sleep 1
+  local feed=()
+  [ "$imu" = udp ] && feed=(--imu-to udp:10.77.0.1:7501)
+  if sent=$(on_sensor "$bin/slamd-replay" --to-network 10.77.0.1 "${feed[@]}" --json "$work/drive"); then
+    pass "$lidar: the drive was re-sent"
+  else
+    fail "$lidar: the drive was re-sent"
+  fi
+  sleep 0.4
+  on_host "$bin/slamd-status" --once --json >"$work/health.json"
+  sleep 1
+  kill -TERM "$listener"; wait "$listener"
+  kill -TERM "$daemon"
+  if wait "$daemon"; then pass "$lidar: slamd ends cleanly on SIGTERM"; else fail "$lidar: slamd ends cleanly on SIGTERM"; fi
+
+  # sender = received + counted, exactly.
+  local lidar_sent kernel received
+  lidar_sent=$(jq '.sent.lidar + .sent.position + .sent.imu_packets' <<<"$sent")
+  received=$(sed -nE 's/^I packets: //p' "$work/slamd.log" | tr ',' '\n' | awk '{ sum += $2 } END { print sum + 0 }')
+  if [ "$lidar_sent" = "$received" ]; then
+    pass "$lidar: all $lidar_sent packets are accounted for"
+  else
+    fail "$lidar: $lidar_sent packets were sent, $received are accounted for: $(grep packets "$work/slamd.log")"
+  fi
+  # The subscriber hears the poses.
+  local told heard
+  told=$(jq '[.health.counters[] | select(.name == "poses")][0].value' "$work/health.json")
+  heard=$(grep -c . "$work/live.tum")
+  if [ -n "$told" ] && [ "$heard" -gt 1000 ] && [ $((1000 * heard)) -ge $((999 * told)) ]; then
+    pass "$lidar: a subscriber hears $heard of $told poses"
+  else
+    fail "$lidar: a subscriber hears $heard of $told poses"
+  fi
+  # Live and replay agree.
+  "$bin/slamd-replay" "${set[@]}" --out "$work/replay" "$work/drive" >/dev/null 2>"$work/replay.log" || fail "$lidar: replayed: $(cat "$work/replay.log")"
+  local offset ape
+  offset=$(jq .wall_minus_recorded_s <<<"$sent")
+  ape=$("$bin/slamd-evaluate" --json --offset="$offset" "$work/live.tum" "$work/replay/odometry.tum" | jq '.ape.unaligned_m.rmse // .ape_unaligned_m.rmse')
+  if [ -n "$ape" ] && [ "$ape" != null ] && awk "BEGIN { exit !($ape < 0.02) }"; then
+    pass "$lidar: live and replay agree within 2 cm ($ape m rms)"
+  else
+    fail "$lidar: live and replay differ by '$ape' m rms"
+  fi
+}
+
+live vlp16 udp
+live livox_avia livox
+
+# A second daemon finds the port taken, and says by whom.
+printf '[[lidar]]\nmodel = "vlp16"\n' >"$scratch/lone.toml"
+ip netns exec slamd_host "$bin/slamd" --config "$scratch/lone.toml" 2>/dev/null &
+first=$!
+pids+=("$first")
+sleep 0.7
+text=$(on_host timeout 10 "$bin/slamd" --config "$scratch/lone.toml" --set lcm.prefix=OTHER 2>&1)
+code=$?
+if [ "$code" -eq 1 ] && [[ "$text" == *2368* && "$text" == *"pid $first"* ]]; then
+  pass "a port that is taken: exit 1, names the other process"
+else
+  fail "a port that is taken: exit $code, says '$text'"
+fi
+# Two daemons, two prefixes, two ports: side by side.
+ip netns exec slamd_host "$bin/slamd" --config "$scratch/lone.toml" --set lcm.prefix=OTHER --set lidar.port=2369 --set lidar.position_port=8309 2>/dev/null &
+pids+=("$!")
+sleep 0.7
+on_host "$bin/slamd-status" --once --prefix OTHER >"$scratch/other.txt"
+if [ $? -eq 3 ] && grep -q 'nothing received yet' "$scratch/other.txt"; then
+  pass "a second daemon with a prefix of its own says that it waits for its sensor"
+else
+  fail "a second daemon with a prefix of its own: $(head -n 3 "$scratch/other.txt")"
+fi
+exit "$status"
