@@ -48,6 +48,16 @@ double distance_to_nearest(const std::vector<double>& lines, double v) {
   return best;
 }
 
+/// Where the ground has its steps: on both sides of each street.
+std::vector<double> kerbs(const std::vector<double>& lines) {
+  std::vector<double> breaks;
+  for (const double line : lines) {
+    breaks.push_back(line - kHalfRoad_m);
+    breaks.push_back(line + kHalfRoad_m);
+  }
+  return breaks;
+}
+
 /// Road, kerb and sidewalk.
 double ground_height(const Road& road, const std::vector<double>& xs, const std::vector<double>& ys, double x, double y) {
   const bool on_road = distance_to_nearest(xs, x) < kHalfRoad_m || distance_to_nearest(ys, y) < kHalfRoad_m;
@@ -74,7 +84,8 @@ Town::Town(std::uint64_t seed)
       streets_y_(street_lines(noise_, 20)),
       road_(noise_),
       world_([road = road_, xs = streets_x_, ys = streets_y_](double x, double y) { return ground_height(road, xs, ys, x, y); },
-             {2.0 * kMargin_m + kPitch_m * (kStreets - 1), 2.0 * kMargin_m + kPitch_m * (kStreets - 1)}, seed) {
+             {2.0 * kMargin_m + kPitch_m * (kStreets - 1), 2.0 * kMargin_m + kPitch_m * (kStreets - 1)}, seed,
+             {kerbs(streets_x_), kerbs(streets_y_)}) {
   for (int column = -1; column < kStreets; ++column) {
     for (int row = -1; row < kStreets; ++row) {
       add_block(column, row);
