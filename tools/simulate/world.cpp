@@ -147,7 +147,7 @@ bool World::cast(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction
   hit.range_m = max_range_m;
   ground_.cast(ray, hit);
   tree_.visit(ray, hit.range_m, [&](std::uint32_t thing) { try_thing(thing, ray, hit); });
-  if (!movers_.empty()) {
+  if (t_s >= 0.0) {
     try_movers(ray, t_s, hit);
   }
   return hit.range_m < max_range_m;
@@ -161,7 +161,9 @@ bool World::cast_brute_force(const Eigen::Vector3d& origin, const Eigen::Vector3
     try_thing(thing, ray, hit);
   }
   ground_.cast_brute_force(ray, hit);
-  try_movers(ray, t_s, hit);
+  if (t_s >= 0.0) {
+    try_movers(ray, t_s, hit);
+  }
   return hit.range_m < max_range_m;
 }
 

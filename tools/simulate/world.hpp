@@ -29,6 +29,9 @@ class World {
   void add(const Triangle& triangle) { triangles_.push_back(triangle); }
   void add(Mover mover);
 
+  /// The moment at which there are no movers.
+  static constexpr double kStandingOnly = -1.0;
+
   /// Sorts everything into the tree; call it once, after the last add.
   void build();
 
