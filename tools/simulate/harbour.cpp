@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 
 #include "tools/simulate/masonry.hpp"
@@ -77,7 +78,7 @@ Scenery make_harbour(std::uint64_t seed, const Extras& extras) {
   }
   Route route;
   route.bend_m = 5.0;
-  route.floor = [quay](double x, double y) { return quay(x, y); };
+  route.floor = [quay](double x, double y) { return quay(x, std::max(y, kEdge_m)); };
   const double lanes[] = {92.0, 146.0};
   route.corners = {{24, lanes[0]}, {151, lanes[0]}, {292, lanes[0]}, {294, lanes[1]}, {151, lanes[1]}, {24, lanes[1]}, {24, lanes[0]},
                    {151, lanes[0]}, {151, lanes[1]}, {294, lanes[1]}, {292, lanes[0]}, {151, lanes[0]}, {151, lanes[1]}, {24, lanes[1]},

@@ -1,11 +1,13 @@
 #include <cstdio>
 #include <filesystem>
+#include <fstream>
 #include <string>
 
 #include <CLI/CLI.hpp>
 
 #include "tools/cli/cli.hpp"
 #include "tools/simulate/options.hpp"
+#include "tools/simulate/preview.hpp"
 #include "tools/simulate/simulate.hpp"
 
 namespace {
@@ -24,8 +26,24 @@ void make_directory(const std::string& out, bool force) {
   fs::create_directories(out);
 }
 
+/// Writes the picture that --preview asks for.
+void write_preview(const simulate::Drive& drive, const std::string& file) {
+  const std::vector<std::byte> png = plot::png_of(simulate::preview_of(simulate::Scene(drive)));
+  std::ofstream stream(file, std::ios::binary);
+  stream.write(reinterpret_cast<const char*>(png.data()), static_cast<std::streamsize>(png.size()));
+  if (!stream.flush()) {
+    throw std::runtime_error(file + ": cannot be written");
+  }
+}
+
 int run_simulation(const simulate::Options& options) {
   const simulate::Drive drive = drive_of(options);
+  if (!options.preview.empty()) {
+    write_preview(drive, options.preview);
+    if (options.out.empty()) {
+      return 0;
+    }
+  }
   make_directory(options.out, options.force);
   simulate::Summary summary;
   {
