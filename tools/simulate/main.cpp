@@ -6,6 +6,7 @@
 #include <CLI/CLI.hpp>
 
 #include "tools/cli/cli.hpp"
+#include "tools/simulate/fault_options.hpp"
 #include "tools/simulate/options.hpp"
 #include "tools/simulate/preview.hpp"
 #include "tools/simulate/simulate.hpp"
@@ -56,11 +57,30 @@ int run_simulation(const simulate::Options& options) {
   return 0;
 }
 
+int run_faults(const simulate::FaultOptions& options) {
+  const simulate::Faults faults = faults_of(options);
+  make_directory(options.out, options.force);
+  simulate::FaultCounts counts;
+  {
+    cli::Progress progress("damaging");
+    counts = simulate::inject_faults(options.in, options.out, faults, [&](double share) { progress.show(share); });
+  }
+  std::fputs(simulate::faults_json(faults, counts).c_str(), stdout);
+  return 0;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   simulate::Options options;
+  simulate::FaultOptions fault_options;
+  CLI::App* faults = nullptr;
   return cli::run_program(
       argc, argv, "slamd-simulate", "Simulates a drive with exact truth as a recording of raw packets.",
-      [&](CLI::App& app) { declare(app, options); }, [&] { return run_simulation(options); });
+      [&](CLI::App& app) {
+        declare(app, options);
+        faults = app.add_subcommand("faults", "Damages a copy of any recording");
+        declare(*faults, fault_options);
+      },
+      [&] { return faults->parsed() ? run_faults(fault_options) : run_simulation(options); });
 }
