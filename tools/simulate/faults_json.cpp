@@ -25,6 +25,13 @@ ordered_json json_of(const PacketFaults& p) {
 
 std::uint64_t intact(const PacketFaults& p) { return p.written - p.truncated - p.garbage; }
 
+/// What report.json must say under "blocks". A clock that jumps makes more blocks late than were reordered, and how many
+/// depends on who follows it: then nothing is promised.
+ordered_json expected_blocks(const FaultCounts& counts) {
+  const PacketFaults& points = counts.of(counts.of(Wire::kVelodyneData).read != 0 ? Wire::kVelodyneData : Wire::kLivoxPoints);
+  return {{"refused_duplicate", points.duplicated}, {"refused_late", points.reordered}};
+}
+
 /// What report.json must say under "packets": every packet that was written, by what becomes of it.
 ordered_json expected_packets(const FaultCounts& counts) {
   ordered_json expected = ordered_json::object();
@@ -85,6 +92,9 @@ std::string faults_json(const Faults& faults, const FaultCounts& counts) {
   json["frames_not_udp"] = counts.frames_not_udp;
   json["imu_rows"] = {{"read", counts.imu_rows_read}, {"gap", counts.imu_rows_gap}, {"clipped", counts.imu_rows_clipped}, {"written", counts.imu_rows_written}};
   json["report_packets"] = expected_packets(counts);
+  if (faults.clock_steps.empty()) {
+    json["report_blocks"] = expected_blocks(counts);
+  }
   return json.dump(2) + "\n";
 }
 

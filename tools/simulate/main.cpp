@@ -6,10 +6,12 @@
 #include <CLI/CLI.hpp>
 
 #include "tools/cli/cli.hpp"
+#include "tools/replay/session.hpp"
 #include "tools/simulate/fault_options.hpp"
 #include "tools/simulate/options.hpp"
 #include "tools/simulate/preview.hpp"
 #include "tools/simulate/simulate.hpp"
+#include "tools/simulate/simulated_source.hpp"
 
 namespace {
 
@@ -37,6 +39,23 @@ void write_preview(const simulate::Drive& drive, const std::string& file) {
   }
 }
 
+/// Maps a drive without writing it.
+int run_replay(const simulate::Drive& drive, const std::string& out) {
+  const simulate::Scene scene(drive);
+  simulate::SimulatedSource source(scene);
+  replay::Recording recording;
+  recording.name = out;
+  recording.configuration = simulate::configuration_of(drive, {});
+  replay::Session session(std::move(recording), out);
+  {
+    cli::Progress progress("simulating and mapping");
+    session.run(source, simulate::truth_of(scene.motion()), [&](double share) { progress.show(share); });
+  }
+  session.write_reports();
+  std::fputs(session.summary().c_str(), stdout);
+  return 0;
+}
+
 int run_simulation(const simulate::Options& options) {
   const simulate::Drive drive = drive_of(options);
   if (!options.preview.empty()) {
@@ -46,6 +65,9 @@ int run_simulation(const simulate::Options& options) {
     }
   }
   make_directory(options.out, options.force);
+  if (options.replay) {
+    return run_replay(drive, options.out);
+  }
   simulate::Summary summary;
   {
     cli::Progress progress("simulating");

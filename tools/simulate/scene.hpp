@@ -13,6 +13,13 @@ namespace slamd::simulate {
 /// When simulated drives begin on the time base: 2026-09-21 14:13:20 UTC.
 inline constexpr std::int64_t kStart_unix_s = 1'790'000'000;
 
+/// Rate of truth.tum.
+inline constexpr double kTruth_hz = 100.0;
+
+/// How imu.csv writes its numbers.
+inline constexpr const char* kRateFormat = "%.7f";   // rad/s
+inline constexpr const char* kForceFormat = "%.6f";  // m/s²
+
 Stamp stamp_at(double t_s);
 
 /// A drive that can be looked at: its world, its motion and its LiDAR.

@@ -31,9 +31,17 @@ void write_imu(const Scene& scene, const fs::path& file) {
   InertialSensor sensor = scene.imu();
   double t_s = 0.0;
   for (InertialReading reading; sensor.next(t_s, reading);) {
-    const Eigen::Vector3d& w = reading.rate_radps;
-    const Eigen::Vector3d& f = reading.force_mps2;
-    std::fprintf(out.stream(), "%lld,%.7f,%.7f,%.7f,%.6f,%.6f,%.6f,%.2f\n", stamp_ns(t_s), w.x(), w.y(), w.z(), f.x(), f.y(), f.z(), reading.temp_c);
+    std::fprintf(out.stream(), "%lld", stamp_ns(t_s));
+    const auto write = [&](const Eigen::Vector3d& v, const char* format) {
+      for (int axis = 0; axis < 3; ++axis) {
+        char text[48];
+        std::snprintf(text, sizeof text, format, v[axis]);
+        std::fprintf(out.stream(), ",%s", text);
+      }
+    };
+    write(reading.rate_radps, kRateFormat);
+    write(reading.force_mps2, kForceFormat);
+    std::fprintf(out.stream(), ",%.2f\n", reading.temp_c);
   }
   out.close();
 }

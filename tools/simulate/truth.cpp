@@ -11,7 +11,6 @@ namespace slamd::simulate {
 
 namespace {
 
-constexpr double kTruth_hz = 100.0;
 constexpr double kKeyDistance_m = 2.0;
 constexpr double kNear_m = 3.0;
 constexpr double kApart_m = 25.0;
