@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <fstream>
 #include <stdexcept>
 
@@ -43,7 +44,13 @@ void measure(const evaluation::Trajectory& truth, const evaluation::Trajectory& 
   if (pairs.size() < 3) {
     return;
   }
-  const evaluation::Similarity similarity = evaluation::align(pairs, evaluation::Alignment::kYaw);
+  evaluation::Similarity similarity = evaluation::align(pairs, evaluation::Alignment::kYaw);
+  try {
+    similarity = evaluation::align(pairs, evaluation::Alignment::kSe3);
+  } catch (const std::invalid_argument&) {
+    // A straight path, as through a tunnel: its roll cannot be found.
+  }
+  outcome.tilt_mean_deg = evaluation::statistics_of(evaluation::tilt_rad(pairs)).mean * 180.0 / M_PI;
   const std::vector<double> errors = evaluation::ape_translation_m(pairs, similarity);
   const evaluation::Statistics statistics = evaluation::statistics_of(errors);
   outcome.ape_rmse_m = statistics.rmse;
@@ -71,6 +78,7 @@ ordered_json json_of(const Outcome& o) {
           {"ape_rmse_m", o.ape_rmse_m},
           {"ape_max_m", o.ape_max_m},
           {"end_drift_m", o.end_drift_m},
+          {"tilt_mean_deg", o.tilt_mean_deg},
           {"cpu_median_ms", o.cpu_median_ms},
           {"cpu_p99_ms", o.cpu_p99_ms},
           {"wall_s", o.wall_s},
@@ -91,6 +99,7 @@ Outcome outcome_of(const ordered_json& json) {
   json.at("ape_rmse_m").get_to(o.ape_rmse_m);
   json.at("ape_max_m").get_to(o.ape_max_m);
   json.at("end_drift_m").get_to(o.end_drift_m);
+  json.at("tilt_mean_deg").get_to(o.tilt_mean_deg);
   json.at("cpu_median_ms").get_to(o.cpu_median_ms);
   json.at("cpu_p99_ms").get_to(o.cpu_p99_ms);
   json.at("wall_s").get_to(o.wall_s);
@@ -144,7 +153,7 @@ std::vector<Outcome> read_results(const std::filesystem::path& file) {
   std::ifstream stream(file);
   for (std::string line; std::getline(stream, line);) {
     const ordered_json json = ordered_json::parse(line, nullptr, false);
-    if (json.is_object() && json.contains("error_m")) {
+    if (json.is_object() && json.contains("tilt_mean_deg")) {
       results.push_back(outcome_of(json));
     }
   }

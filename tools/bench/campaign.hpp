@@ -31,9 +31,10 @@ struct Outcome {
   std::uint64_t scans = 0;
   std::uint64_t scans_tracking = 0;
   std::string state;  // at the end
-  double ape_rmse_m = 0.0;  // aligned by yaw
+  double ape_rmse_m = 0.0;  // SE(3)-aligned; by yaw where the path is straight
   double ape_max_m = 0.0;
   double end_drift_m = 0.0;
+  double tilt_mean_deg = 0.0;
   double cpu_median_ms = 0.0;  // per scan
   double cpu_p99_ms = 0.0;
   double wall_s = 0.0;

@@ -12,7 +12,7 @@ namespace slamd::simulate {
 namespace {
 
 constexpr double kKeyDistance_m = 2.0;
-constexpr double kNear_m = 3.0;
+constexpr double kNear_m = 4.0;
 constexpr double kApart_m = 25.0;
 constexpr std::size_t kMaxMapPoints = 4'000'000;
 

@@ -15,7 +15,7 @@ struct TrueLoop {
   double yaw_rad = 0.0;  // of the later heading over the earlier one
 };
 
-/// Returns the revisits of a drive: pairs of key moments, 2 m of way apart, that are within 3 m of each other and more
+/// Returns the revisits of a drive: pairs of key moments, 2 m of way apart, that are within 4 m of each other and more
 /// than 25 m of way apart.
 std::vector<TrueLoop> true_loops(const Motion& motion);
 

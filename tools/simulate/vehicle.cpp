@@ -11,6 +11,7 @@ namespace {
 
 constexpr double kKnot_s = 0.05;
 constexpr double kBraking_mps2 = 0.8;
+constexpr double kInBends_radps = 0.9;
 constexpr double kTurning_radps2 = 4.0;
 
 /// Goes along a line: how far it is, how fast, and where it looks.
@@ -26,6 +27,8 @@ class Driver {
     const bool stopping = t_s < ride_.rest_s || t_s > ride_.duration_s - 2.0 || (std::fmod(t_s, 75.0) > 60.0 && std::fmod(t_s, 75.0) < 64.0);
     const double bend = std::abs(std::remainder(heading_at(s_ + 3.0) - heading_at(s_), 2.0 * M_PI)) / 3.0;
     double wanted = stopping ? 0.0 : std::min(ride_.speed_mps * (1.0 + 0.15 * std::sin(0.21 * t_s)), 0.7 / (bend + 1e-3));
+    const double tight = std::abs(std::remainder(heading_at(s_ + 1.0) - heading_at(s_), 2.0 * M_PI));
+    wanted = std::min(wanted, kInBends_radps / (tight + 1e-3));
     const double left = to_next_turn();
     wanted = std::min(wanted, std::sqrt(2.0 * 0.5 * kBraking_mps2 * std::max(0.0, left)));
     speed_ += std::clamp(wanted - speed_, -1.0 * kKnot_s, kBraking_mps2 * kKnot_s);
@@ -103,8 +106,8 @@ double bump_m(double s, double per_100m) {
 
 /// What a walker's arms add, at full pace.
 void carry(Motion::Channels& c, double t_s, double share) {
-  const double burst = std::fmod(t_s, 20.0) > 12.0 ? 1.0 : 0.35;  // looks about every 20 s
   const double w = 2.0 * M_PI;
+  const double burst = 0.675 - 0.325 * std::cos(w * t_s / 20.0);  // looks about every 20 s
   c[2] += share * 0.03 * std::sin(w * 1.9 * t_s);
   c[0] += share * 0.02 * std::sin(w * 0.95 * t_s) * -std::sin(c[3]);
   c[1] += share * 0.02 * std::sin(w * 0.95 * t_s) * std::cos(c[3]);
