@@ -114,14 +114,16 @@ Campaign quick_campaign() { return campaign_of("quick", 1, 60.0); }
 Campaign full_campaign() { return campaign_of("full", 3, 300.0); }
 
 std::string key_of(const Drive& drive, const std::vector<std::string>& overrides) {
-  std::string key = drive.world + "/" + name_of(drive.lidar) + "/" + std::to_string(drive.seed) + "/" + std::to_string(std::lround(drive.duration_s)) + "s";
+  std::string key = drive.world + "/" + name_of(drive.lidar) + "/" + std::to_string(drive.seed) + "/" +
+                    std::to_string(std::lround(drive.duration_s)) + "s";
   for (const std::string& key_value : overrides) {
     key += "/" + key_value;
   }
   return key;
 }
 
-Outcome run_drive(const Drive& drive, const std::vector<std::string>& overrides, const std::function<void(double)>& progress) {
+Outcome run_drive(const Drive& drive, const std::vector<std::string>& overrides,
+                  const std::function<void(double)>& progress) {
   const auto begin = std::chrono::steady_clock::now();
   const simulate::Scene scene(drive);
   simulate::SimulatedSource source(scene);
@@ -161,13 +163,15 @@ std::vector<Outcome> read_results(const std::filesystem::path& file) {
 }
 
 std::vector<Outcome> run_campaign(const Campaign& campaign, const std::filesystem::path& directory,
-                                  const std::vector<std::string>& overrides, const std::function<void(double)>& progress) {
+                                  const std::vector<std::string>& overrides,
+                                  const std::function<void(double)>& progress) {
   const std::filesystem::path file = directory / "results.jsonl";
   std::vector<Outcome> known = read_results(file);
   std::ofstream stream(file, std::ios::app);
   std::vector<Outcome> outcomes;
   for (const Drive& drive : campaign.drives) {
-    const auto found = std::find_if(known.begin(), known.end(), [&](const Outcome& o) { return o.key == key_of(drive, overrides); });
+    const auto found =
+        std::find_if(known.begin(), known.end(), [&](const Outcome& o) { return o.key == key_of(drive, overrides); });
     if (found == known.end()) {
       const auto done = static_cast<double>(outcomes.size());
       const auto total = static_cast<double>(campaign.drives.size());

@@ -45,12 +45,14 @@ struct Outcome {
 std::string key_of(const simulate::Drive& drive, const std::vector<std::string>& overrides);
 
 /// Simulates a drive, maps it and measures the result against its truth; no file is written.
-Outcome run_drive(const simulate::Drive& drive, const std::vector<std::string>& overrides, const std::function<void(double)>& progress);
+Outcome run_drive(const simulate::Drive& drive, const std::vector<std::string>& overrides,
+                  const std::function<void(double)>& progress);
 
 /// Runs what DIR/results.jsonl does not hold yet and adds it there, drive by drive; returns all outcomes in the
 /// campaign's order. Errors: RecordingError, std::runtime_error.
 std::vector<Outcome> run_campaign(const Campaign& campaign, const std::filesystem::path& directory,
-                                  const std::vector<std::string>& overrides, const std::function<void(double)>& progress);
+                                  const std::vector<std::string>& overrides,
+                                  const std::function<void(double)>& progress);
 
 /// Reads results; lines that were cut off are left out.
 std::vector<Outcome> read_results(const std::filesystem::path& file);

@@ -57,14 +57,17 @@ plot::LineChart errors_chart(const std::string& world, const std::vector<Outcome
 
 std::string table_of(const std::vector<Outcome>& outcomes) {
   char line[240];
-  std::snprintf(line, sizeof line, "%-10s %-11s %4s %7s %7s %9s %9s %9s %8s %8s %6s %9s %7s\n", "world", "lidar", "seed", "path m", "scans",
-                "tracking", "APE m", "APE max", "drift m", "drift %", "tilt", "ms/scan", "p99");
+  std::snprintf(line, sizeof line, "%-10s %-11s %4s %7s %7s %9s %9s %9s %8s %8s %6s %9s %7s\n", "world", "lidar",
+                "seed", "path m", "scans", "tracking", "APE m", "APE max", "drift m", "drift %", "tilt", "ms/scan",
+                "p99");
   std::string text = line;
   for (const Outcome& o : outcomes) {
-    std::snprintf(line, sizeof line, "%-10s %-11s %4llu %7.1f %7llu %8.1f%% %9.4f %9.4f %8.4f %8.4f %6.3f %9.2f %7.2f\n", o.world.c_str(), o.lidar.c_str(),
-                  static_cast<unsigned long long>(o.seed), o.path_m, static_cast<unsigned long long>(o.scans),
-                  o.scans > 0 ? 100.0 * static_cast<double>(o.scans_tracking) / static_cast<double>(o.scans) : 0.0, o.ape_rmse_m, o.ape_max_m,
-                  o.end_drift_m, percent_of_path(o), o.tilt_mean_deg, o.cpu_median_ms, o.cpu_p99_ms);
+    std::snprintf(
+        line, sizeof line, "%-10s %-11s %4llu %7.1f %7llu %8.1f%% %9.4f %9.4f %8.4f %8.4f %6.3f %9.2f %7.2f\n",
+        o.world.c_str(), o.lidar.c_str(), static_cast<unsigned long long>(o.seed), o.path_m,
+        static_cast<unsigned long long>(o.scans),
+        o.scans > 0 ? 100.0 * static_cast<double>(o.scans_tracking) / static_cast<double>(o.scans) : 0.0, o.ape_rmse_m,
+        o.ape_max_m, o.end_drift_m, percent_of_path(o), o.tilt_mean_deg, o.cpu_median_ms, o.cpu_p99_ms);
     text += line;
   }
   for (const std::string& lidar : distinct(outcomes, &Outcome::lidar)) {
@@ -74,25 +77,34 @@ std::string table_of(const std::vector<Outcome>& outcomes) {
         of_lidar.push_back(&o);
       }
     }
-    std::snprintf(line, sizeof line, "%-10s %-11s %4s %7s %7s %9s %9.4f %9.4f %8.4f %8.4f %6.3f %9.2f %7.2f\n", "median", lidar.c_str(), "", "", "", "",
-                  median_of(of_lidar, [](const Outcome& o) { return o.ape_rmse_m; }), median_of(of_lidar, [](const Outcome& o) { return o.ape_max_m; }),
-                  median_of(of_lidar, [](const Outcome& o) { return o.end_drift_m; }), median_of(of_lidar, percent_of_path), median_of(of_lidar, [](const Outcome& o) { return o.tilt_mean_deg; }),
-                  median_of(of_lidar, [](const Outcome& o) { return o.cpu_median_ms; }), median_of(of_lidar, [](const Outcome& o) { return o.cpu_p99_ms; }));
+    std::snprintf(
+        line, sizeof line, "%-10s %-11s %4s %7s %7s %9s %9.4f %9.4f %8.4f %8.4f %6.3f %9.2f %7.2f\n", "median",
+        lidar.c_str(), "", "", "", "", median_of(of_lidar, [](const Outcome& o) { return o.ape_rmse_m; }),
+        median_of(of_lidar, [](const Outcome& o) { return o.ape_max_m; }),
+        median_of(of_lidar, [](const Outcome& o) { return o.end_drift_m; }), median_of(of_lidar, percent_of_path),
+        median_of(of_lidar, [](const Outcome& o) { return o.tilt_mean_deg; }),
+        median_of(of_lidar, [](const Outcome& o) { return o.cpu_median_ms; }),
+        median_of(of_lidar, [](const Outcome& o) { return o.cpu_p99_ms; }));
     text += line;
   }
   return text;
 }
 
 std::string page_of(const std::string& campaign, const std::vector<Outcome>& outcomes) {
-  std::string page =
-      "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>slamd-bench campaign " + plot::escaped(campaign) +
-      "</title>\n<style>body{font:15px/1.5 sans-serif;max-width:75rem;margin:2rem auto;padding:0 1rem}pre{overflow-x:auto;font-size:12px}"
-      ".charts{display:grid;grid-template-columns:repeat(auto-fit,minmax(30rem,1fr));gap:1rem}svg{max-width:100%;height:auto}</style></head><body>\n<h1>Campaign " +
-      plot::escaped(campaign) + "</h1>\n<p>Simulated drives through slamd's stages, against their exact truth. APE is SE(3)-aligned (by yaw where the path is straight), tilt is in degrees; drift is that of the "
-      "displacement from the first to the last pose.</p>\n<pre>" +
-      plot::escaped(table_of(outcomes)) + "</pre>\n<div class=\"charts\">\n";
+  std::string page = "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>slamd-bench campaign " +
+                     plot::escaped(campaign) +
+                     "</title>\n<style>body{font:15px/1.5 sans-serif;max-width:75rem;margin:2rem auto;padding:0 "
+                     "1rem}pre{overflow-x:auto;font-size:12px}"
+                     ".charts{display:grid;grid-template-columns:repeat(auto-fit,minmax(30rem,1fr));gap:1rem}svg{max-"
+                     "width:100%;height:auto}</style></head><body>\n<h1>Campaign " +
+                     plot::escaped(campaign) +
+                     "</h1>\n<p>Simulated drives through slamd's stages, against their exact truth. APE is "
+                     "SE(3)-aligned (by yaw where the path is straight), tilt is in degrees; drift is that of the "
+                     "displacement from the first to the last pose.</p>\n<pre>" +
+                     plot::escaped(table_of(outcomes)) + "</pre>\n<div class=\"charts\">\n";
   for (const std::string& world : distinct(outcomes, &Outcome::world)) {
-    page += "<section><h2>" + plot::escaped(world) + "</h2>\n" + plot::svg_of(errors_chart(world, outcomes)) + "</section>\n";
+    page += "<section><h2>" + plot::escaped(world) + "</h2>\n" + plot::svg_of(errors_chart(world, outcomes)) +
+            "</section>\n";
   }
   return page + "</div>\n</body></html>\n";
 }

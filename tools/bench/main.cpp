@@ -36,7 +36,8 @@ int run_campaign(const Options& options) {
   std::vector<bench::Outcome> outcomes;
   {
     cli::Progress progress("campaign");
-    outcomes = bench::run_campaign(campaign, options.out, options.overrides, [&](double share) { progress.show(share); });
+    outcomes =
+        bench::run_campaign(campaign, options.out, options.overrides, [&](double share) { progress.show(share); });
   }
   const std::string table = bench::table_of(outcomes);
   write(table, fs::path(options.out) / "table.txt");
@@ -64,8 +65,11 @@ int main(int argc, char** argv) {
       argc, argv, "slamd-bench", "Measures slamd.",
       [&](CLI::App& app) {
         app.require_subcommand(1);
-        campaign = app.add_subcommand("campaign", "Maps simulated drives: worlds x sensors x seeds; goes on where it was stopped");
-        campaign->add_option("SIZE", options.size, "quick: 12 x 60 s; full: 36 x 5 min")->required()->check(CLI::IsMember({"quick", "full"}));
+        campaign = app.add_subcommand("campaign",
+                                      "Maps simulated drives: worlds x sensors x seeds; goes on where it was stopped");
+        campaign->add_option("SIZE", options.size, "quick: 12 x 60 s; full: 36 x 5 min")
+            ->required()
+            ->check(CLI::IsMember({"quick", "full"}));
         campaign->add_option("--out", options.out, "Directory for results.jsonl, table.txt, campaign.html")->required();
         campaign->add_option("--set", options.overrides, "key=value of slamd's configuration")->take_all();
         CLI::App* rays = app.add_subcommand("rays", "Speed of the simulator's ray casting on one core, by world");

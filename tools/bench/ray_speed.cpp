@@ -39,7 +39,8 @@ RaySpeed measure_ray_speed(const std::string& world, std::uint64_t seed, double 
   const simulate::SpinningModel& model = simulate::model_of(simulate::SpinningKind::kVlp16);
   RaySpeed speed;
   speed.caster = speed_of(seconds, [&](std::uint64_t i) {
-    const geometry::Se3 T = scene.motion().pose_at(std::fmod(0.37 * static_cast<double>(i), drive.duration_s)) * scene.mounting().T_base_lidar;
+    const geometry::Se3 T = scene.motion().pose_at(std::fmod(0.37 * static_cast<double>(i), drive.duration_s)) *
+                            scene.mounting().T_base_lidar;
     std::uint64_t rays = 0;
     for (int column = 0; column < 360; ++column) {
       const double alpha = column * M_PI / 180.0;

@@ -157,7 +157,8 @@ class Player {
 
 /// Plays packets that `next(packet)` gives; `share()` is how much of them was given.
 template <typename Next, typename Share>
-Run play_packets(const configuration::Configuration& configuration, ImuSource imu, Next&& next, Share&& share, const Sinks& sinks) {
+Run play_packets(const configuration::Configuration& configuration, ImuSource imu, Next&& next, Share&& share,
+                 const Sinks& sinks) {
   stages::PacketStage packets(configuration);
   Player player(configuration, std::move(imu), sinks);
   double decode_ms = 0.0;
@@ -204,7 +205,8 @@ Run replay_packets(const Recording& recording, const Sinks& sinks) {
     read_bytes += more ? static_cast<double>(packet.payload.size() + 58) : 0.0;
     return more;
   };
-  Run run = play_packets(recording.configuration, ImuSource(recording.imu_csv), next, [&] { return read_bytes / file_bytes; }, sinks);
+  const auto share = [&] { return read_bytes / file_bytes; };
+  Run run = play_packets(recording.configuration, ImuSource(recording.imu_csv), next, share, sinks);
   for (std::size_t i = 1; i < recording::kFrameKinds; ++i) {
     const auto kind = static_cast<recording::FrameKind>(i);
     if (reader.counters().of(kind) != 0) {

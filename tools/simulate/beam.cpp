@@ -42,7 +42,8 @@ const Echo* Echoes::strongest() const {
   return best;
 }
 
-void Beam::add_surfaces(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction, double t_s, std::uint64_t number, Echoes& echoes) const {
+void Beam::add_surfaces(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction, double t_s,
+                        std::uint64_t number, Echoes& echoes) const {
   Hit hit;
   const bool any = world_.cast(origin, direction, errors_.max_range_m, number, hit, t_s);
   if (!errors_.mixed_pixels) {
@@ -54,14 +55,16 @@ void Beam::add_surfaces(const Eigen::Vector3d& origin, const Eigen::Vector3d& di
   // A second ray somewhere in the beam's width, with a share of its light.
   const double angle = noise_.uniform(8 * number + 6, 0.0, 2.0 * M_PI);
   const double radius = 0.5 * errors_.divergence_rad * std::sqrt(noise_.uniform(8 * number + 7));
-  const Eigen::Vector3d side = direction.cross(std::abs(direction.z()) < 0.9 ? Eigen::Vector3d::UnitZ() : Eigen::Vector3d::UnitX()).normalized();
+  const Eigen::Vector3d side =
+      direction.cross(std::abs(direction.z()) < 0.9 ? Eigen::Vector3d::UnitZ() : Eigen::Vector3d::UnitX()).normalized();
   const Eigen::Vector3d up = side.cross(direction);
   const Eigen::Vector3d beside = (direction + radius * (std::cos(angle) * side + std::sin(angle) * up)).normalized();
   const double share = noise_.uniform(8 * number + 1, 0.5, 1.0);
   Hit other;
   const bool any_other = world_.cast(origin, beside, errors_.max_range_m, number, other, t_s);
   const bool same_surface = any && any_other && std::abs(hit.cos_incidence - other.cos_incidence) < 0.02 &&
-                            std::abs(hit.reflectivity - other.reflectivity) < 1e-6F && std::abs(hit.range_m - other.range_m) < kPulse_m;
+                            std::abs(hit.reflectivity - other.reflectivity) < 1e-6F &&
+                            std::abs(hit.range_m - other.range_m) < kPulse_m;
   if (same_surface) {
     echoes.add(echo_of(hit, 1.0));
   } else if (any && any_other && std::abs(hit.range_m - other.range_m) < kPulse_m) {
@@ -95,7 +98,8 @@ void Beam::add_air(std::uint64_t number, Echoes& echoes) const {
   }
 }
 
-Echoes Beam::shoot(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction, double t_s, std::uint64_t number, double bias_m) const {
+Echoes Beam::shoot(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction, double t_s, std::uint64_t number,
+                   double bias_m) const {
   Echoes seen;
   add_surfaces(origin, direction, t_s, number, seen);
   if (errors_.drops_per_m > 0.0) {

@@ -41,15 +41,18 @@ struct Echoes {
 /// Shoots at a world as a real receiver sees it: lost echoes, noise, air, and beams that are no lines.
 class Beam {
  public:
-  Beam(const World& world, const RangeErrors& errors, const Noise& noise) : world_(world), errors_(errors), noise_(noise) {}
+  Beam(const World& world, const RangeErrors& errors, const Noise& noise)
+      : world_(world), errors_(errors), noise_(noise) {}
 
   /// `number` is the shot's own; `bias_m` its laser's. The result depends on nothing else.
-  Echoes shoot(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction, double t_s, std::uint64_t number, double bias_m) const;
+  Echoes shoot(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction, double t_s, std::uint64_t number,
+               double bias_m) const;
 
   const RangeErrors& errors() const { return errors_; }
 
  private:
-  void add_surfaces(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction, double t_s, std::uint64_t number, Echoes& echoes) const;
+  void add_surfaces(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction, double t_s, std::uint64_t number,
+                    Echoes& echoes) const;
   void add_air(std::uint64_t number, Echoes& echoes) const;
 
   const World& world_;

@@ -43,10 +43,13 @@ void Bvh::build(std::span<const Bounds> bounds) {
   split(0, bounds, 0, static_cast<std::uint32_t>(bounds.size()), 0);
 }
 
-void Bvh::split(std::uint32_t node, std::span<const Bounds> bounds, std::uint32_t first, std::uint32_t count, int depth) {
+void Bvh::split(std::uint32_t node, std::span<const Bounds> bounds, std::uint32_t first, std::uint32_t count,
+                int depth) {
   Bounds all;
   Bounds centres;
-  const auto centre = [&](std::uint32_t thing) { return Eigen::Vector3f(0.5F * (bounds[thing].low + bounds[thing].high)); };
+  const auto centre = [&](std::uint32_t thing) {
+    return Eigen::Vector3f(0.5F * (bounds[thing].low + bounds[thing].high));
+  };
   for (std::uint32_t i = first; i < first + count; ++i) {
     all.include(bounds[order_[i]]);
     const Eigen::Vector3f c = centre(order_[i]);
@@ -98,7 +101,8 @@ void Bvh::split(std::uint32_t node, std::span<const Bounds> bounds, std::uint32_
   std::uint32_t left = count / 2;  // things in one place: any halves will do
   if (cut.axis >= 0) {
     const auto begin = order_.begin() + first;
-    const auto middle = std::partition(begin, begin + count, [&](std::uint32_t thing) { return bin_of(thing, cut.axis) < cut.bin; });
+    const auto middle =
+        std::partition(begin, begin + count, [&](std::uint32_t thing) { return bin_of(thing, cut.axis) < cut.bin; });
     left = static_cast<std::uint32_t>(middle - begin);
   } else if (count <= 16) {
     make_leaf();

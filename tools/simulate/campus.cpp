@@ -29,7 +29,8 @@ void add_hall(World& world, const Eigen::Vector2d& centre, double half_x, double
   const double ground = world.ground(centre.x(), centre.y());
   const Eigen::Vector2d ahead(std::cos(yaw), std::sin(yaw));
   const Eigen::Vector2d left(-ahead.y(), ahead.x());
-  world.add(OrientedBox{{centre.x(), centre.y(), ground + 0.5 * height - 2.0}, {half_x, half_y, 0.5 * height + 2.0}, yaw, 0.5F});
+  world.add(OrientedBox{
+      {centre.x(), centre.y(), ground + 0.5 * height - 2.0}, {half_x, half_y, 0.5 * height + 2.0}, yaw, 0.5F});
   world.add(OrientedBox{{centre.x(), centre.y(), ground + height + 0.2}, {half_x + 0.6, half_y + 0.6, 0.2}, yaw, 0.3F});
   for (double s = -half_x + 1.5; s < half_x; s += 3.0) {
     for (const double side : {-1.0, 1.0}) {
@@ -62,16 +63,20 @@ Scenery make_campus(std::uint64_t seed, const Extras& extras) {
   const Eigen::Vector2d halls[] = {{88, 88}, {155, 88}, {85, 150}, {165, 165}, {25, 205}, {215, 25}, {25, 25}};
   for (std::uint64_t i = 0; i < 7; ++i) {
     const double half_x = noise.uniform(i + 10, 9.0, 14.0);
-    add_hall(world, halls[i], half_x, noise.uniform(i + 20, 5.0, 7.5), noise.uniform(i + 30, 0.0, M_PI), noise.uniform(i + 40, 6.0, 12.0));
+    add_hall(world, halls[i], half_x, noise.uniform(i + 20, 5.0, 7.5), noise.uniform(i + 30, 0.0, M_PI),
+             noise.uniform(i + 40, 6.0, 12.0));
   }
   // Trees stand in loose groups; the rest is grass.
   for (std::uint64_t i = 0; i < 110; ++i) {
     const std::uint64_t group = i / 4;
-    const Eigen::Vector2d middle(noise.uniform(2000 + group, 8.0, kSize_m - 8.0), noise.uniform(2100 + group, 8.0, kSize_m - 8.0));
-    const Eigen::Vector2d place = middle + Eigen::Vector2d(noise.uniform(2200 + i, -9.0, 9.0), noise.uniform(2400 + i, -9.0, 9.0));
+    const Eigen::Vector2d middle(noise.uniform(2000 + group, 8.0, kSize_m - 8.0),
+                                 noise.uniform(2100 + group, 8.0, kSize_m - 8.0));
+    const Eigen::Vector2d place =
+        middle + Eigen::Vector2d(noise.uniform(2200 + i, -9.0, 9.0), noise.uniform(2400 + i, -9.0, 9.0));
     const bool inside = (place.array() > 4.0).all() && (place.array() < kSize_m - 4.0).all();
     if (inside && far_from(route.corners, place, 4.5)) {
-      add_tree(world, place, noise.uniform(2600 + i, 1.6, 3.0), noise.uniform(2800 + i, 1.5, 3.4), noise.uniform(3000 + i, 0.7, 1.8));
+      add_tree(world, place, noise.uniform(2600 + i, 1.6, 3.0), noise.uniform(2800 + i, 1.5, 3.4),
+               noise.uniform(3000 + i, 0.7, 1.8));
     }
   }
   // Lamps along the paths, and a bench here and there.

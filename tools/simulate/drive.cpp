@@ -79,7 +79,8 @@ double base_height_m(VehicleKind vehicle) { return vehicle == VehicleKind::kHand
 
 std::string recording_toml(const Drive& drive) {
   const Mounting mounting = mounting_of(drive.lidar);
-  return "# Simulated; simulation.json has every parameter.\n[[lidar]]\nmodel = \"" + std::string(name_of(drive.lidar)) +
+  return "# Simulated; simulation.json has every parameter.\n[[lidar]]\nmodel = \"" +
+         std::string(name_of(drive.lidar)) +
          "\"\nsource = \"lidar.pcap\"\nT_base_lidar = " + transform_toml(mounting.T_base_lidar) +
          "\n\n[imu]\nsource = \"imu.csv\"\nT_base_imu = " + transform_toml(mounting.T_base_imu) +
          "\n\n[wheel]\nsource = \"odom.csv\"\n\n[gnss]\nuse = false\nsource = \"gnss.csv\"\nT_base_antenna = " +
@@ -109,9 +110,14 @@ std::string parameters_json(const Drive& drive) {
   for (const Eigen::Vector2d& corner : drive.waypoints) {
     json["waypoints_m"].push_back({corner.x(), corner.y()});
   }
-  json["range"] = {{"noise_m", range.noise_m},         {"beam_bias_m", range.beam_bias_m},   {"max_range_m", range.max_range_m},
-                   {"min_range_m", range.min_range_m}, {"full_signal", range.full_signal},   {"mixed_pixels", range.mixed_pixels},
-                   {"divergence_rad", range.divergence_rad}, {"drops_per_m", range.drops_per_m}};
+  json["range"] = {{"noise_m", range.noise_m},
+                   {"beam_bias_m", range.beam_bias_m},
+                   {"max_range_m", range.max_range_m},
+                   {"min_range_m", range.min_range_m},
+                   {"full_signal", range.full_signal},
+                   {"mixed_pixels", range.mixed_pixels},
+                   {"divergence_rad", range.divergence_rad},
+                   {"drops_per_m", range.drops_per_m}};
   json["imu"] = {{"rate_hz", drive.imu_rate_hz},
                  {"gyro_noise_radps_sqrthz", imu.gyro_noise_radps_sqrthz},
                  {"accel_noise_mps2_sqrthz", imu.accel_noise_mps2_sqrthz},
@@ -128,8 +134,9 @@ std::string parameters_json(const Drive& drive) {
                  {"gyro_per_degree_radps", imu.gyro_per_degree_radps},
                  {"start_temp_c", imu.start_temp_c},
                  {"warm_up_c", imu.warm_up_c}};
-  json["wheel"] = {{"track_m", wheel.track_m}, {"ticks_per_m", wheel.ticks_per_m},     {"scale", wheel.scale},
-                   {"noise", wheel.noise},     {"slip_in_turns", wheel.slip_in_turns}, {"slip_chance", wheel.slip_chance}};
+  json["wheel"] = {
+      {"track_m", wheel.track_m}, {"ticks_per_m", wheel.ticks_per_m},     {"scale", wheel.scale},
+      {"noise", wheel.noise},     {"slip_in_turns", wheel.slip_in_turns}, {"slip_chance", wheel.slip_chance}};
   json["gnss"] = {{"drift_m", gnss.drift_m},
                   {"drift_s", gnss.drift_s},
                   {"noise_m", gnss.noise_m},

@@ -52,7 +52,8 @@ double seconds(const std::string& option, const std::string& text) {
 }
 
 /// Splits "a<mark>b". Errors: UsageError.
-std::pair<std::string, std::string> halves(const std::string& option, const std::string& text, char mark, const char* form) {
+std::pair<std::string, std::string> halves(const std::string& option, const std::string& text, char mark,
+                                           const char* form) {
   const std::size_t at = text.find(mark);
   if (at == std::string::npos) {
     throw cli::UsageError(option + " " + text + ": is not of the form " + form);
@@ -87,8 +88,11 @@ void declare(CLI::App& app, FaultOptions& options) {
   app.add_option("--imu-gap", options.imu_gaps, "TIME@MOMENT, as 0.3s@20: no inertial sample")->take_all();
   app.add_option("--imu-offset", options.imu_offset, "Added to every inertial stamp, as 8ms");
   app.add_option("--imu-clip", options.imu_clip, "RADPS,MPS2, as 1.5,15: what the inertial sensor can say at most");
-  app.add_option("--block-fov", options.block_fov, "FROM:TO in degrees to the left of ahead, as 160:200: nothing is seen there");
-  app.footer("Moments count from the recording's first packet. OUT/faults.json says what was done, and what report.json must count.");
+  app.add_option("--block-fov", options.block_fov,
+                 "FROM:TO in degrees to the left of ahead, as 160:200: nothing is seen there");
+  app.footer(
+      "Moments count from the recording's first packet. OUT/faults.json says what was done, and what report.json must "
+      "count.");
 }
 
 Faults faults_of(const FaultOptions& options) {
@@ -99,12 +103,14 @@ Faults faults_of(const FaultOptions& options) {
   faults.truncate = share("--truncate", options.truncate);
   faults.garbage = share("--garbage", options.garbage);
   if (faults.reorder + faults.duplicate > 1.0 || faults.truncate + faults.garbage > 1.0) {
-    throw cli::UsageError("shares of --reorder and --duplicate, and of --truncate and --garbage, must not exceed 100% together");
+    throw cli::UsageError(
+        "shares of --reorder and --duplicate, and of --truncate and --garbage, must not exceed 100% together");
   }
   std::string rest;
   if (!options.burst.empty()) {
     const auto [count, packets] = halves("--burst", options.burst, 'x', "COUNTxPACKETS");
-    faults.burst = {static_cast<int>(number("--burst", count, rest)), static_cast<int>(number("--burst", packets, rest))};
+    faults.burst = {static_cast<int>(number("--burst", count, rest)),
+                    static_cast<int>(number("--burst", packets, rest))};
   }
   faults.clock_steps = events("--clock-step", options.clock_steps);
   faults.blackouts = events("--blackout", options.blackouts);

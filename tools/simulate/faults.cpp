@@ -28,7 +28,8 @@ std::uint64_t packets_in(const fs::path& file) {
   return count;
 }
 
-void damage_capture(const fs::path& in, const fs::path& out, const Faults& faults, FaultCounts& counts, const std::function<void(double)>& progress) {
+void damage_capture(const fs::path& in, const fs::path& out, const Faults& faults, FaultCounts& counts,
+                    const std::function<void(double)>& progress) {
   const std::uint64_t total = packets_in(in);
   recording::PcapReader reader(in);
   FaultyCapture capture(out, faults, total, counts);
@@ -41,7 +42,8 @@ void damage_capture(const fs::path& in, const fs::path& out, const Faults& fault
   }
   capture.close();
   for (std::size_t kind = 0; kind < recording::kFrameKinds; ++kind) {
-    counts.frames_not_udp += kind == static_cast<std::size_t>(recording::FrameKind::kUdp) ? 0 : reader.counters().frames[kind];
+    counts.frames_not_udp +=
+        kind == static_cast<std::size_t>(recording::FrameKind::kUdp) ? 0 : reader.counters().frames[kind];
   }
 }
 
@@ -98,7 +100,8 @@ void damage_imu(const fs::path& in, const fs::path& out, const Faults& faults, F
     const std::int64_t stamp_ns = std::strtoll(cells[0].c_str(), nullptr, 10);
     first_ns = first_ns.value_or(stamp_ns);
     const double t_s = 1e-9 * static_cast<double>(stamp_ns - *first_ns);
-    if (std::any_of(faults.imu_gaps.begin(), faults.imu_gaps.end(), [&](const Event& e) { return t_s >= e.at_s && t_s < e.at_s + e.by_s; })) {
+    if (std::any_of(faults.imu_gaps.begin(), faults.imu_gaps.end(),
+                    [&](const Event& e) { return t_s >= e.at_s && t_s < e.at_s + e.by_s; })) {
       ++counts.imu_rows_gap;
       continue;
     }
@@ -115,7 +118,8 @@ void damage_imu(const fs::path& in, const fs::path& out, const Faults& faults, F
 
 }  // namespace
 
-FaultCounts inject_faults(const fs::path& in, const fs::path& out, const Faults& faults, const std::function<void(double)>& progress) {
+FaultCounts inject_faults(const fs::path& in, const fs::path& out, const Faults& faults,
+                          const std::function<void(double)>& progress) {
   if (!fs::exists(in)) {
     throw RecordingError(in, "does not exist");
   }

@@ -25,10 +25,11 @@ ordered_json json_of(const PacketFaults& p) {
 
 std::uint64_t intact(const PacketFaults& p) { return p.written - p.truncated - p.garbage; }
 
-/// What report.json must say under "blocks". A clock that jumps makes more blocks late than were reordered, and how many
-/// depends on who follows it: then nothing is promised.
+/// What report.json must say under "blocks". A clock that jumps makes more blocks late than were reordered, and how
+/// many depends on who follows it: then nothing is promised.
 ordered_json expected_blocks(const FaultCounts& counts) {
-  const PacketFaults& points = counts.of(counts.of(Wire::kVelodyneData).read != 0 ? Wire::kVelodyneData : Wire::kLivoxPoints);
+  const PacketFaults& points =
+      counts.of(counts.of(Wire::kVelodyneData).read != 0 ? Wire::kVelodyneData : Wire::kLivoxPoints);
   return {{"refused_duplicate", points.duplicated}, {"refused_late", points.reordered}};
 }
 
@@ -57,7 +58,8 @@ ordered_json expected_packets(const FaultCounts& counts) {
     add("imu", intact(imu), true);
     add("refused_too_short", points.truncated_header + imu.truncated_header, false);
     add("refused_unknown_version", points.garbage + imu.garbage, false);
-    add("refused_wrong_length", points.truncated + imu.truncated - points.truncated_header - imu.truncated_header, false);
+    add("refused_wrong_length", points.truncated + imu.truncated - points.truncated_header - imu.truncated_header,
+        false);
   }
   return expected;
 }
@@ -78,7 +80,8 @@ std::string faults_json(const Faults& faults, const FaultCounts& counts) {
                    {"imu_gaps", json_of(faults.imu_gaps, "lasts_s")},
                    {"imu_offset_s", faults.imu_offset_s}};
   if (faults.imu_clip) {
-    json["asked"]["imu_clip"] = {{"rate_radps", faults.imu_clip->rate_radps}, {"force_mps2", faults.imu_clip->force_mps2}};
+    json["asked"]["imu_clip"] = {{"rate_radps", faults.imu_clip->rate_radps},
+                                 {"force_mps2", faults.imu_clip->force_mps2}};
   }
   if (faults.block_fov) {
     json["asked"]["block_fov"] = {{"from_deg", faults.block_fov->from_deg}, {"to_deg", faults.block_fov->to_deg}};
@@ -90,7 +93,10 @@ std::string faults_json(const Faults& faults, const FaultCounts& counts) {
   }
   json["points_blocked"] = counts.points_blocked;
   json["frames_not_udp"] = counts.frames_not_udp;
-  json["imu_rows"] = {{"read", counts.imu_rows_read}, {"gap", counts.imu_rows_gap}, {"clipped", counts.imu_rows_clipped}, {"written", counts.imu_rows_written}};
+  json["imu_rows"] = {{"read", counts.imu_rows_read},
+                      {"gap", counts.imu_rows_gap},
+                      {"clipped", counts.imu_rows_clipped},
+                      {"written", counts.imu_rows_written}};
   json["report_packets"] = expected_packets(counts);
   if (faults.clock_steps.empty()) {
     json["report_blocks"] = expected_blocks(counts);

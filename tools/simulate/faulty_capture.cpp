@@ -9,7 +9,8 @@ namespace slamd::simulate {
 namespace {
 
 bool is_within(const std::vector<Event>& events, double t_s) {
-  return std::any_of(events.begin(), events.end(), [&](const Event& e) { return t_s >= e.at_s && t_s < e.at_s + e.by_s; });
+  return std::any_of(events.begin(), events.end(),
+                     [&](const Event& e) { return t_s >= e.at_s && t_s < e.at_s + e.by_s; });
 }
 
 std::size_t header_bytes(Wire wire) { return wire == Wire::kLivoxPoints || wire == Wire::kLivoxImu ? 18 : 0; }
@@ -27,10 +28,12 @@ void scramble(std::span<std::byte> payload, Wire wire, const Noise& noise, std::
 
 }  // namespace
 
-FaultyCapture::FaultyCapture(const std::filesystem::path& file, const Faults& faults, std::uint64_t packets, FaultCounts& counts)
+FaultyCapture::FaultyCapture(const std::filesystem::path& file, const Faults& faults, std::uint64_t packets,
+                             FaultCounts& counts)
     : writer_(file), faults_(faults), counts_(counts), noise_(faults.seed, 500) {
   for (int i = 0; i < faults.burst.count; ++i) {
-    burst_begins_.push_back(static_cast<std::uint64_t>(noise_.uniform(static_cast<std::uint64_t>(i)) * static_cast<double>(packets)));
+    burst_begins_.push_back(
+        static_cast<std::uint64_t>(noise_.uniform(static_cast<std::uint64_t>(i)) * static_cast<double>(packets)));
   }
 }
 
@@ -61,7 +64,8 @@ bool FaultyCapture::is_lost(double t_s, Wire wire, PacketFaults& counts) const {
 bool FaultyCapture::damage(Wire wire, PacketFaults& counts) {
   const double draw = noise_.uniform(1001 + 8 * number_);
   if (draw < faults_.truncate) {
-    const auto length = static_cast<std::size_t>(noise_.uniform(1002 + 8 * number_) * static_cast<double>(payload_.size()));
+    const auto length =
+        static_cast<std::size_t>(noise_.uniform(1002 + 8 * number_) * static_cast<double>(payload_.size()));
     payload_.resize(length);
     ++counts.truncated;
     counts.truncated_header += length < header_bytes(wire) ? 1 : 0;

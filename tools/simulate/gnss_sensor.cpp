@@ -9,12 +9,14 @@ namespace {
 const Eigen::Vector3d kMoreUpwards(1.0, 1.0, 1.8);  // heights are always worse
 
 Eigen::Vector3d triple(const Noise& noise, std::uint64_t stream) {
-  return Eigen::Vector3d(noise.normal(stream), noise.normal(stream + 1), noise.normal(stream + 2)).cwiseProduct(kMoreUpwards);
+  return Eigen::Vector3d(noise.normal(stream), noise.normal(stream + 1), noise.normal(stream + 2))
+      .cwiseProduct(kMoreUpwards);
 }
 
 }  // namespace
 
-GnssSensor::GnssSensor(const Motion& motion, const geometry::Se3& T_base_antenna, double rate_hz, const GnssErrors& errors, std::uint64_t seed)
+GnssSensor::GnssSensor(const Motion& motion, const geometry::Se3& T_base_antenna, double rate_hz,
+                       const GnssErrors& errors, std::uint64_t seed)
     : motion_(motion),
       T_base_antenna_(T_base_antenna),
       rate_hz_(rate_hz),
@@ -37,11 +39,13 @@ bool GnssSensor::next(double& t_s, GnssReading& reading) {
     return true;
   }
   const MotionState state = motion_.at(t_s);
-  Eigen::Vector3d p = state.T_world_base * T_base_antenna_.translation() + drift_ + errors_.noise_m * triple(noise_, stream + 4);
+  Eigen::Vector3d p =
+      state.T_world_base * T_base_antenna_.translation() + drift_ + errors_.noise_m * triple(noise_, stream + 4);
   const bool mirrored = noise_.uniform(100'000 + ten_seconds) < errors_.multipath_chance;
   if (mirrored) {
     const double heading = noise_.uniform(200'000 + ten_seconds, 0.0, 2.0 * M_PI);
-    p += noise_.uniform(300'000 + ten_seconds, 0.3, 1.0) * errors_.multipath_m * Eigen::Vector3d(std::cos(heading), std::sin(heading), 0.4);
+    p += noise_.uniform(300'000 + ten_seconds, 0.3, 1.0) * errors_.multipath_m *
+         Eigen::Vector3d(std::cos(heading), std::sin(heading), 0.4);
   }
   const Eigen::Vector3d& v = state.velocity_mps;
   reading.quality = 1;

@@ -33,7 +33,8 @@ struct GnssReading {
 /// Says once in 1/rate seconds where the antenna is.
 class GnssSensor {
  public:
-  GnssSensor(const Motion& motion, const geometry::Se3& T_base_antenna, double rate_hz, const GnssErrors& errors, std::uint64_t seed);
+  GnssSensor(const Motion& motion, const geometry::Se3& T_base_antenna, double rate_hz, const GnssErrors& errors,
+             std::uint64_t seed);
 
   /// Returns false after the end of the drive.
   bool next(double& t_s, GnssReading& reading);

@@ -15,17 +15,21 @@ constexpr double kWater_m = -3.5;
 const Eigen::Vector3d kContainer(12.19, 2.44, 2.59);
 
 /// Containers in rows, up to four high, some turned the wrong way round.
-void add_stack(World& world, const Eigen::Vector2d& corner, int columns, int rows, const Noise& noise, std::uint64_t index) {
+void add_stack(World& world, const Eigen::Vector2d& corner, int columns, int rows, const Noise& noise,
+               std::uint64_t index) {
   for (int column = 0; column < columns; ++column) {
     for (int row = 0; row < rows; ++row, index += 8) {
       const int high = static_cast<int>(noise.uniform(index) * 4.2);
       for (int level = 0; level < high; ++level) {
         const auto number = index + static_cast<std::uint64_t>(level);
         const Eigen::Vector3d half = 0.5 * kContainer;
-        const Eigen::Vector2d place = corner + Eigen::Vector2d(column * (kContainer.x() + 0.6), row * (kContainer.y() + 0.5)) +
-                                      Eigen::Vector2d(noise.uniform(number + 3, -0.08, 0.08), noise.uniform(number + 4, -0.05, 0.05));
-        world.add(OrientedBox{{place.x() + half.x(), place.y() + half.y(), (level + 0.5) * kContainer.z()}, half,
-                              noise.uniform(number + 5, -0.01, 0.01), static_cast<Reflectivity>(noise.uniform(number + 6, 0.2, 0.6))});
+        const Eigen::Vector2d place =
+            corner + Eigen::Vector2d(column * (kContainer.x() + 0.6), row * (kContainer.y() + 0.5)) +
+            Eigen::Vector2d(noise.uniform(number + 3, -0.08, 0.08), noise.uniform(number + 4, -0.05, 0.05));
+        world.add(OrientedBox{{place.x() + half.x(), place.y() + half.y(), (level + 0.5) * kContainer.z()},
+                              half,
+                              noise.uniform(number + 5, -0.01, 0.01),
+                              static_cast<Reflectivity>(noise.uniform(number + 6, 0.2, 0.6))});
       }
     }
   }
@@ -52,13 +56,17 @@ void add_crane(World& world, double x, const Noise& noise, std::uint64_t index) 
 Scenery make_harbour(std::uint64_t seed, const Extras& extras) {
   const Noise noise(seed, 500);
   // The quay falls a little towards the water.
-  const auto quay = [](double, double y) { return y < kEdge_m ? kWater_m : -0.004 * (140.0 - std::min(y, 140.0)) + 0.32; };
+  const auto quay = [](double, double y) {
+    return y < kEdge_m ? kWater_m : -0.004 * (140.0 - std::min(y, 140.0)) + 0.32;
+  };
   World world(quay, {kLength_m, kDepth_m}, seed, {{}, {kEdge_m}});
   for (int block = 0; block < 4; ++block) {
     const auto number = static_cast<std::uint64_t>(1000 * block);
     if (block != static_cast<int>(4.0 * noise.uniform(7))) {  // one yard is empty
-      add_stack(world, {36.0 + 64.0 * block + noise.uniform(number + 1, -4.0, 4.0), 118.0}, 3, 7, noise, number + 10'000);
-      add_stack(world, {36.0 + 64.0 * block + noise.uniform(number + 2, -4.0, 4.0), 172.0}, 3, 5, noise, number + 20'000);
+      add_stack(world, {36.0 + 64.0 * block + noise.uniform(number + 1, -4.0, 4.0), 118.0}, 3, 7, noise,
+                number + 10'000);
+      add_stack(world, {36.0 + 64.0 * block + noise.uniform(number + 2, -4.0, 4.0), 172.0}, 3, 5, noise,
+                number + 20'000);
     }
   }
   add_crane(world, noise.uniform(21, 70.0, 95.0), noise, 30);
@@ -80,9 +88,9 @@ Scenery make_harbour(std::uint64_t seed, const Extras& extras) {
   route.bend_m = 5.0;
   route.floor = [quay](double x, double y) { return quay(x, std::max(y, kEdge_m)); };
   const double lanes[] = {92.0, 146.0};
-  route.corners = {{24, lanes[0]}, {151, lanes[0]}, {292, lanes[0]}, {294, lanes[1]}, {151, lanes[1]}, {24, lanes[1]}, {24, lanes[0]},
-                   {151, lanes[0]}, {151, lanes[1]}, {294, lanes[1]}, {292, lanes[0]}, {151, lanes[0]}, {151, lanes[1]}, {24, lanes[1]},
-                   {24, lanes[0]}};
+  route.corners = {{24, lanes[0]},  {151, lanes[0]}, {292, lanes[0]}, {294, lanes[1]}, {151, lanes[1]},
+                   {24, lanes[1]},  {24, lanes[0]},  {151, lanes[0]}, {151, lanes[1]}, {294, lanes[1]},
+                   {292, lanes[0]}, {151, lanes[0]}, {151, lanes[1]}, {24, lanes[1]},  {24, lanes[0]}};
   add_traffic(world, route.corners, extras, noise);
   world.build();
   return {std::move(world), std::move(route), seed};

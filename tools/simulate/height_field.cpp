@@ -145,7 +145,8 @@ bool HeightField::cast_patches(const Ray& ray, double from, double to, Hit& best
     walk.step = d > 0.0 ? 1 : -1;
     if (std::abs(d) > 1e-12) {
       walk.inverse = 1.0 / d;
-      walk.next = range_of(lines.at[static_cast<std::size_t>(walk.cell + (d > 0.0 ? 1 : 0))], ray.origin[axis], walk.inverse);
+      walk.next =
+          range_of(lines.at[static_cast<std::size_t>(walk.cell + (d > 0.0 ? 1 : 0))], ray.origin[axis], walk.inverse);
     }
     return walk;
   };
@@ -164,7 +165,8 @@ bool HeightField::cast_patches(const Ray& ray, double from, double to, Hit& best
     if (walk.cell < 0 || walk.cell >= lines.patches()) {
       return false;
     }
-    walk.next = range_of(lines.at[static_cast<std::size_t>(walk.cell + (walk.step > 0 ? 1 : 0))], ray.origin[across ? 0 : 1], walk.inverse);
+    walk.next = range_of(lines.at[static_cast<std::size_t>(walk.cell + (walk.step > 0 ? 1 : 0))],
+                         ray.origin[across ? 0 : 1], walk.inverse);
   }
   return false;
 }
@@ -215,7 +217,8 @@ void HeightField::cast(const Ray& ray, Hit& best) const {
   while (from < to) {
     const double end = std::max(from, std::min({x.next, y.next, to}));
     const double lowest = ray.origin.z() + (ray.direction.z() < 0.0 ? end : from) * ray.direction.z();
-    if (lowest <= block_top_[static_cast<std::size_t>(y.cell * blocks_across_ + x.cell)] && cast_patches(ray, from, end, best)) {
+    if (lowest <= block_top_[static_cast<std::size_t>(y.cell * blocks_across_ + x.cell)] &&
+        cast_patches(ray, from, end, best)) {
       return;
     }
     from = end;

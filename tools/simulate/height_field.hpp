@@ -45,7 +45,9 @@ class HeightField {
     int patches() const { return static_cast<int>(at.size()) - 1; }
   };
 
-  float node(int column, int row) const { return heights_[static_cast<std::size_t>(row * (columns_.patches() + 1) + column)]; }
+  float node(int column, int row) const {
+    return heights_[static_cast<std::size_t>(row * (columns_.patches() + 1) + column)];
+  }
   bool cast_patch(int column, int row, const Ray& ray, double from, double to, Hit& best) const;
   bool cast_patches(const Ray& ray, double from, double to, Hit& best) const;
 

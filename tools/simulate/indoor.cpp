@@ -50,7 +50,8 @@ void furnish(World& world, const Room& room, const Noise& noise, std::uint64_t i
 }
 
 /// A row of rooms on one side of a corridor along x, with a door each; some fronts are glass.
-void add_rooms(World& world, double from, double to, double corridor, bool above, double back, const Noise& noise, std::uint64_t index) {
+void add_rooms(World& world, double from, double to, double corridor, bool above, double back, const Noise& noise,
+               std::uint64_t index) {
   const double front = corridor + (above ? 0.5 : -0.5) * kCorridor_m;
   for (double x = from; x < to - 2.0; index += 100) {
     double width = noise.uniform(index, 4.2, 7.5);
@@ -81,8 +82,10 @@ void add_rooms(World& world, double from, double to, double corridor, bool above
       const double inside = above ? front + 0.5 : front - 0.5;
       world.add(OrientedBox{{door + 0.02, inside, 1.05}, {0.02, 0.5, 1.05}, 0.0, 0.4F});
     }
-    add_wall(world, {false, x + width, std::min(front, back), std::max(front, back), 0.0, kCeiling_m, 0.1, 0.7F, 0.0F}, {});
-    furnish(world, {x + 0.1, x + width - 0.1, std::min(front, back) + 0.1, std::max(front, back) - 0.1, !above}, noise, index + 10);
+    add_wall(world, {false, x + width, std::min(front, back), std::max(front, back), 0.0, kCeiling_m, 0.1, 0.7F, 0.0F},
+             {});
+    furnish(world, {x + 0.1, x + width - 0.1, std::min(front, back) + 0.1, std::max(front, back) - 0.1, !above}, noise,
+            index + 10);
     x += width;
   }
 }
@@ -126,11 +129,14 @@ Scenery make_indoor(std::uint64_t seed, const Extras& extras) {
   for (const double x : kAcross_m) {
     for (const double side : {-half, half}) {
       const bool outer = (x == kAcross_m[0] && side < 0.0) || (x == kAcross_m[2] && side > 0.0);
-      add_wall(world, {false, x + side, kAlong_m[0] - half, kAlong_m[1] + half, 0.0, kCeiling_m, 0.12, 0.65F, 0.0F}, outer ? std::vector<Gap>{} : crossings);
+      add_wall(world, {false, x + side, kAlong_m[0] - half, kAlong_m[1] + half, 0.0, kCeiling_m, 0.12, 0.65F, 0.0F},
+               outer ? std::vector<Gap>{} : crossings);
       // Pillars, not evenly.
-      for (double y = kAlong_m[0] + 3.0; y < kAlong_m[1] - 3.0; y += noise.uniform(static_cast<std::uint64_t>(100 * x + y + side), 3.5, 6.5)) {
+      for (double y = kAlong_m[0] + 3.0; y < kAlong_m[1] - 3.0;
+           y += noise.uniform(static_cast<std::uint64_t>(100 * x + y + side), 3.5, 6.5)) {
         const double into = side > 0.0 ? -0.12 : 0.12;
-        add_block(world, {x + side + std::min(into, 0.0), y, 0.0}, {x + side + std::max(into, 0.0), y + 0.35, kCeiling_m}, 0.55F);
+        add_block(world, {x + side + std::min(into, 0.0), y, 0.0},
+                  {x + side + std::max(into, 0.0), y + 0.35, kCeiling_m}, 0.55F);
       }
     }
   }

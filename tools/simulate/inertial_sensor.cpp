@@ -21,7 +21,8 @@ InertialReading true_reading(const Motion& motion, const geometry::Se3& T_base_i
   const double before = std::max(0.0, t_s - kStep_s);
   const double after = std::min(motion.duration_s(), t_s + kStep_s);
   const Eigen::Vector3d& w = state.rate_base_radps;
-  const Eigen::Vector3d alpha = (motion.at(after).rate_base_radps - motion.at(before).rate_base_radps) / (after - before);
+  const Eigen::Vector3d alpha =
+      (motion.at(after).rate_base_radps - motion.at(before).rate_base_radps) / (after - before);
   const Eigen::Vector3d lever = T_base_imu.translation();
   const Eigen::Vector3d gravity(0.0, 0.0, -kGravity_mps2);
   const Eigen::Vector3d force_base = state.T_world_base.rotation().transpose() * (state.acceleration_mps2 - gravity) +
@@ -41,8 +42,8 @@ InertialErrors InertialErrors::none() {
   return errors;
 }
 
-InertialSensor::InertialSensor(const Motion& motion, const geometry::Se3& T_base_imu, double rate_hz, const InertialErrors& errors,
-                               std::uint64_t seed)
+InertialSensor::InertialSensor(const Motion& motion, const geometry::Se3& T_base_imu, double rate_hz,
+                               const InertialErrors& errors, std::uint64_t seed)
     : motion_(motion),
       T_base_imu_(T_base_imu),
       rate_hz_(rate_hz),
@@ -69,23 +70,23 @@ bool InertialSensor::next(double& t_s, InertialReading& reading) {
   reading = true_reading(motion_, T_base_imu_, t_s);
   const double warmed_c = errors_.warm_up_c * (1.0 - std::exp(-t_s / 300.0));
   reading.temp_c = errors_.start_temp_c + warmed_c;
-  reading.rate_radps = (misaligned_ * reading.rate_radps).cwiseProduct(gyro_scale_) + gyro_bias_ + warmed_c * gyro_per_degree_ +
-                       triple(stream, errors_.gyro_noise_radps_sqrthz * root_rate);
+  reading.rate_radps = (misaligned_ * reading.rate_radps).cwiseProduct(gyro_scale_) + gyro_bias_ +
+                       warmed_c * gyro_per_degree_ + triple(stream, errors_.gyro_noise_radps_sqrthz * root_rate);
   reading.force_mps2 = (misaligned_ * reading.force_mps2).cwiseProduct(accel_scale_) + accel_bias_ +
                        triple(stream + 3, errors_.accel_noise_mps2_sqrthz * root_rate);
   for (int axis = 0; axis < 3; ++axis) {
-    reading.rate_radps[axis] =
-        std::clamp(quantised(reading.rate_radps[axis], errors_.gyro_step_radps), -errors_.gyro_limit_radps, errors_.gyro_limit_radps);
-    reading.force_mps2[axis] =
-        std::clamp(quantised(reading.force_mps2[axis], errors_.accel_step_mps2), -errors_.accel_limit_mps2, errors_.accel_limit_mps2);
+    reading.rate_radps[axis] = std::clamp(quantised(reading.rate_radps[axis], errors_.gyro_step_radps),
+                                          -errors_.gyro_limit_radps, errors_.gyro_limit_radps);
+    reading.force_mps2[axis] = std::clamp(quantised(reading.force_mps2[axis], errors_.accel_step_mps2),
+                                          -errors_.accel_limit_mps2, errors_.accel_limit_mps2);
   }
   gyro_bias_ += triple(stream + 6, errors_.gyro_walk_radps2_sqrthz / root_rate);
   accel_bias_ += triple(stream + 9, errors_.accel_walk_mps3_sqrthz / root_rate);
   return true;
 }
 
-std::vector<InertialReading> readings(const Motion& motion, const geometry::Se3& T_base_imu, double rate_hz, const InertialErrors& errors,
-                                      std::uint64_t seed) {
+std::vector<InertialReading> readings(const Motion& motion, const geometry::Se3& T_base_imu, double rate_hz,
+                                      const InertialErrors& errors, std::uint64_t seed) {
   InertialSensor sensor(motion, T_base_imu, rate_hz, errors, seed);
   std::vector<InertialReading> all;
   double t_s = 0.0;

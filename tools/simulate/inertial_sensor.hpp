@@ -44,7 +44,8 @@ InertialReading true_reading(const Motion& motion, const geometry::Se3& T_base_i
 /// Reads the motion of a drive, one sample each 1/rate seconds from 0 to its end.
 class InertialSensor {
  public:
-  InertialSensor(const Motion& motion, const geometry::Se3& T_base_imu, double rate_hz, const InertialErrors& errors, std::uint64_t seed);
+  InertialSensor(const Motion& motion, const geometry::Se3& T_base_imu, double rate_hz, const InertialErrors& errors,
+                 std::uint64_t seed);
 
   /// Returns false after the end of the drive.
   bool next(double& t_s, InertialReading& reading);
@@ -67,7 +68,7 @@ class InertialSensor {
 };
 
 /// Returns all readings of a drive.
-std::vector<InertialReading> readings(const Motion& motion, const geometry::Se3& T_base_imu, double rate_hz, const InertialErrors& errors,
-                                      std::uint64_t seed);
+std::vector<InertialReading> readings(const Motion& motion, const geometry::Se3& T_base_imu, double rate_hz,
+                                      const InertialErrors& errors, std::uint64_t seed);
 
 }  // namespace slamd::simulate

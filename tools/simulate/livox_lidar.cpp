@@ -22,24 +22,28 @@ std::uint8_t tag_of(const Echo& echo, std::size_t number) {
   return static_cast<std::uint8_t>((number + 1) << 4 | air << 2 | drag);
 }
 
-void store_point(std::span<std::byte> bytes, std::size_t at, const Echo& echo, const Eigen::Vector3d& d_lidar, std::size_t number) {
+void store_point(std::span<std::byte> bytes, std::size_t at, const Echo& echo, const Eigen::Vector3d& d_lidar,
+                 std::size_t number) {
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    store_le(bytes, at + 4 * axis, static_cast<std::int32_t>(std::lround(1e3 * echo.range_m * d_lidar[static_cast<int>(axis)])));
+    store_le(bytes, at + 4 * axis,
+             static_cast<std::int32_t>(std::lround(1e3 * echo.range_m * d_lidar[static_cast<int>(axis)])));
   }
-  store_le(bytes, at + 12, static_cast<std::uint8_t>(std::clamp(150.0 * static_cast<double>(echo.reflectivity), 1.0, 150.0)));
+  store_le(bytes, at + 12,
+           static_cast<std::uint8_t>(std::clamp(150.0 * static_cast<double>(echo.reflectivity), 1.0, 150.0)));
   store_le(bytes, at + 13, tag_of(echo, number));
 }
 
 }  // namespace
 
-LivoxLidar::LivoxLidar(const World& world, const Motion& motion, const geometry::Se3& T_base_lidar, const RangeErrors& errors,
-                       std::uint64_t seed, LivoxReturns returns)
+LivoxLidar::LivoxLidar(const World& world, const Motion& motion, const geometry::Se3& T_base_lidar,
+                       const RangeErrors& errors, std::uint64_t seed, LivoxReturns returns)
     : motion_(motion),
       T_base_lidar_(T_base_lidar),
       noise_(seed, 50),
       beam_(world, errors, noise_),
       returns_(returns),
-      pattern_({noise_.uniform(1, 0.0, 2.0 * M_PI), noise_.uniform(2, 0.0, 2.0 * M_PI), noise_.uniform(3, 0.0, 2.0 * M_PI)}) {
+      pattern_({noise_.uniform(1, 0.0, 2.0 * M_PI), noise_.uniform(2, 0.0, 2.0 * M_PI),
+                noise_.uniform(3, 0.0, 2.0 * M_PI)}) {
   for (std::uint64_t i = 0; i < 6; ++i) {
     line_bias_m_[i] = errors.beam_bias_m * noise_.normal(100 + i);
   }
@@ -77,7 +81,8 @@ SentPacket LivoxLidar::point_packet(std::uint64_t index) const {
     const Eigen::Vector3d d_lidar = pattern_.direction(t_s, line);
     const geometry::Se3 T_world_lidar = motion.pose_after((firing - motion_begin) / kFirings_hz) * T_base_lidar_;
     const std::uint64_t shot = index * shots() + static_cast<std::uint64_t>(firing);
-    const Echoes found = beam_.shoot(T_world_lidar.translation(), T_world_lidar.rotation() * d_lidar, t_s, shot, line_bias_m_[line]);
+    const Echoes found =
+        beam_.shoot(T_world_lidar.translation(), T_world_lidar.rotation() * d_lidar, t_s, shot, line_bias_m_[line]);
     const std::size_t at = kHeaderBytes + kPointBytes * echoes() * static_cast<std::size_t>(firing);
     if (returns_ == LivoxReturns::kStrongest && found.count > 0) {
       store_point(bytes, at, *found.strongest(), d_lidar, 0);

@@ -34,7 +34,9 @@ class LivoxLidar : public PacketMaker {
   static geometry::Se3 T_lidar_imu() { return {Eigen::Matrix3d::Identity(), {-0.04165, -0.02326, 0.0284}}; }
 
  private:
-  std::uint64_t echoes() const { return returns_ == LivoxReturns::kTriple ? 3 : returns_ == LivoxReturns::kDual ? 2 : 1; }
+  std::uint64_t echoes() const {
+    return returns_ == LivoxReturns::kTriple ? 3 : returns_ == LivoxReturns::kDual ? 2 : 1;
+  }
   SentPacket packet_with_header(double t_s, std::uint8_t data_type, std::size_t bytes) const;
 
   const Motion& motion_;

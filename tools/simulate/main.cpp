@@ -73,9 +73,10 @@ int run_simulation(const simulate::Options& options) {
     cli::Progress progress("simulating");
     summary = simulate::simulate(drive, options.out, [&](double share) { progress.show(share); });
   }
-  std::printf("%s: %s in %s %llu, %.0f s, %.0f m, %llu packets, %.1f million rays\n", options.out.c_str(), options.lidar.c_str(),
-              drive.mesh.empty() ? drive.world.c_str() : drive.mesh.c_str(), static_cast<unsigned long long>(drive.seed), drive.duration_s,
-              summary.path_m, static_cast<unsigned long long>(summary.packets), 1e-6 * static_cast<double>(summary.rays));
+  std::printf("%s: %s in %s %llu, %.0f s, %.0f m, %llu packets, %.1f million rays\n", options.out.c_str(),
+              options.lidar.c_str(), drive.mesh.empty() ? drive.world.c_str() : drive.mesh.c_str(),
+              static_cast<unsigned long long>(drive.seed), drive.duration_s, summary.path_m,
+              static_cast<unsigned long long>(summary.packets), 1e-6 * static_cast<double>(summary.rays));
   return 0;
 }
 

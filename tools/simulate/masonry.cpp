@@ -7,8 +7,10 @@ void add_wall(World& world, const Wall& wall, const std::vector<Gap>& gaps) {
   const auto piece = [&](double to) {
     if (to - from > 0.01) {
       const double half = 0.5 * wall.thickness;
-      const Eigen::Vector3d low = wall.along_x ? Eigen::Vector3d(from, wall.at - half, wall.bottom) : Eigen::Vector3d(wall.at - half, from, wall.bottom);
-      const Eigen::Vector3d high = wall.along_x ? Eigen::Vector3d(to, wall.at + half, wall.top) : Eigen::Vector3d(wall.at + half, to, wall.top);
+      const Eigen::Vector3d low = wall.along_x ? Eigen::Vector3d(from, wall.at - half, wall.bottom)
+                                               : Eigen::Vector3d(wall.at - half, from, wall.bottom);
+      const Eigen::Vector3d high =
+          wall.along_x ? Eigen::Vector3d(to, wall.at + half, wall.top) : Eigen::Vector3d(wall.at + half, to, wall.top);
       add_block(world, low, high, wall.reflectivity, wall.transparency);
     }
   };

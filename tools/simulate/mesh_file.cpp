@@ -151,7 +151,8 @@ std::vector<Triangle> read_mesh(const std::filesystem::path& file) {
         }
       }
       if (element.name == "vertex") {
-        vertices.emplace_back(static_cast<float>(scalars["x"]), static_cast<float>(scalars["y"]), static_cast<float>(scalars["z"]));
+        vertices.emplace_back(static_cast<float>(scalars["x"]), static_cast<float>(scalars["y"]),
+                              static_cast<float>(scalars["z"]));
       } else if (element.name == "face") {
         for (std::size_t k = 2; k < corners.size(); ++k) {
           if (std::max({corners[0], corners[k - 1], corners[k]}) >= vertices.size()) {

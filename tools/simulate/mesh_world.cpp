@@ -31,9 +31,11 @@ Scenery make_mesh_world(const std::filesystem::path& file, std::uint64_t seed) {
       bounds.include({corner, corner});
     }
   }
-  const Eigen::Vector3f shift(static_cast<float>(kMargin_m) - bounds.low.x(), static_cast<float>(kMargin_m) - bounds.low.y(), -bounds.low.z());
+  const Eigen::Vector3f shift(static_cast<float>(kMargin_m) - bounds.low.x(),
+                              static_cast<float>(kMargin_m) - bounds.low.y(), -bounds.low.z());
   const Eigen::Vector3d size = (bounds.high - bounds.low).cast<double>();
-  World world([](double, double) { return -kBelow_m; }, {size.x() + 2.0 * kMargin_m, size.y() + 2.0 * kMargin_m}, seed, {}, 16.0);
+  World world([](double, double) { return -kBelow_m; }, {size.x() + 2.0 * kMargin_m, size.y() + 2.0 * kMargin_m}, seed,
+              {}, 16.0);
   for (Triangle& triangle : triangles) {
     for (Eigen::Vector3f& corner : triangle.corners) {
       corner += shift;
@@ -42,8 +44,9 @@ Scenery make_mesh_world(const std::filesystem::path& file, std::uint64_t seed) {
   }
   world.build();
   // What is rolled on, on a grid: the tour asks for it often.
-  const auto floor = std::make_shared<HeightField>([&](double x, double y) { return lowest_surface(world, x, y, size.z() + 1.0); },
-                                                   world.extent_m(), 0.5, HeightField::Breaks{});
+  const auto floor =
+      std::make_shared<HeightField>([&](double x, double y) { return lowest_surface(world, x, y, size.z() + 1.0); },
+                                    world.extent_m(), 0.5, HeightField::Breaks{});
   Route route;
   route.bend_m = 0.08 * std::min(size.x(), size.y());
   route.floor = [floor](double x, double y) { return floor->height(x, y); };

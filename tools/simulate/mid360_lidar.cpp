@@ -19,7 +19,8 @@ constexpr double kTurns_hz = 10.37;
 constexpr double kSwings_hz = 1127.3;
 constexpr double kGravity_mps2 = 9.80665;
 
-SentPacket packet_with_header(std::size_t bytes, std::uint8_t type, std::uint16_t points, std::uint16_t interval, std::uint64_t number, double t_s) {
+SentPacket packet_with_header(std::size_t bytes, std::uint8_t type, std::uint16_t points, std::uint16_t interval,
+                              std::uint64_t number, double t_s) {
   SentPacket packet;
   packet.source_address = 0xC0A80170;  // 192.168.1.112
   packet.source_port = type == 0 ? 56400 : 56300;
@@ -61,7 +62,8 @@ std::uint32_t crc32_of(std::span<const std::byte> bytes) {
   return ~crc;
 }
 
-Mid360Lidar::Mid360Lidar(const World& world, const Motion& motion, const geometry::Se3& T_base_lidar, const RangeErrors& errors, std::uint64_t seed)
+Mid360Lidar::Mid360Lidar(const World& world, const Motion& motion, const geometry::Se3& T_base_lidar,
+                         const RangeErrors& errors, std::uint64_t seed)
     : motion_(motion), T_base_lidar_(T_base_lidar), noise_(seed, 55), beam_(world, errors, noise_) {}
 
 Eigen::Vector3d Mid360Lidar::direction(double t_s, int line) const {
@@ -85,16 +87,19 @@ SentPacket Mid360Lidar::packet(std::uint64_t index) const {
     }
     const Eigen::Vector3d d_lidar = direction(t_s, static_cast<int>(firing % 4));
     const geometry::Se3 T_world_lidar = motion.pose_after(static_cast<double>(in_motion) / kFirings_hz) * T_base_lidar_;
-    const Echoes echoes = beam_.shoot(T_world_lidar.translation(), T_world_lidar.rotation() * d_lidar, t_s, index * kFirings + firing, 0.0);
+    const Echoes echoes = beam_.shoot(T_world_lidar.translation(), T_world_lidar.rotation() * d_lidar, t_s,
+                                      index * kFirings + firing, 0.0);
     if (echoes.count == 0) {
       continue;
     }
     const Echo& echo = *echoes.strongest();
     const std::size_t at = kHeaderBytes + kPointBytes * static_cast<std::size_t>(firing);
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      store_le(bytes, at + 4 * axis, static_cast<std::int32_t>(std::lround(1e3 * echo.range_m * d_lidar[static_cast<int>(axis)])));
+      store_le(bytes, at + 4 * axis,
+               static_cast<std::int32_t>(std::lround(1e3 * echo.range_m * d_lidar[static_cast<int>(axis)])));
     }
-    store_le(bytes, at + 12, static_cast<std::uint8_t>(std::clamp(150.0 * static_cast<double>(echo.reflectivity), 1.0, 150.0)));
+    store_le(bytes, at + 12,
+             static_cast<std::uint8_t>(std::clamp(150.0 * static_cast<double>(echo.reflectivity), 1.0, 150.0)));
     store_le(bytes, at + 13, static_cast<std::uint8_t>((echo.air ? 2U << 2 : 0U) | (echo.mixed ? 2U : 0U)));
   }
   seal(packet);

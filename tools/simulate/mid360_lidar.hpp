@@ -12,7 +12,8 @@ namespace slamd::simulate {
 /// itself: a turning mirror whose elevation swings at a rate of no relation to the turning.
 class Mid360Lidar : public PacketMaker {
  public:
-  Mid360Lidar(const World& world, const Motion& motion, const geometry::Se3& T_base_lidar, const RangeErrors& errors, std::uint64_t seed);
+  Mid360Lidar(const World& world, const Motion& motion, const geometry::Se3& T_base_lidar, const RangeErrors& errors,
+              std::uint64_t seed);
 
   static constexpr double kFirings_hz = 200'000.0;
   static constexpr std::uint64_t kPowerUp_ns = 31'415'926'535;

@@ -112,11 +112,13 @@ ShortMotion::ShortMotion(const Motion& motion, double t_s) : state_(motion.at(t_
 geometry::Se3 ShortMotion::pose_after(double dt_s) const {
   const Eigen::Vector3d phi = state_.rate_base_radps * dt_s;
   Eigen::Matrix3d turn;  // Exp(phi) to second order
-  turn << 1.0 - 0.5 * (phi.y() * phi.y() + phi.z() * phi.z()), 0.5 * phi.x() * phi.y() - phi.z(), 0.5 * phi.x() * phi.z() + phi.y(),
-      0.5 * phi.x() * phi.y() + phi.z(), 1.0 - 0.5 * (phi.x() * phi.x() + phi.z() * phi.z()), 0.5 * phi.y() * phi.z() - phi.x(),
-      0.5 * phi.x() * phi.z() - phi.y(), 0.5 * phi.y() * phi.z() + phi.x(), 1.0 - 0.5 * (phi.x() * phi.x() + phi.y() * phi.y());
-  return {state_.T_world_base.rotation() * turn,
-          state_.T_world_base.translation() + dt_s * state_.velocity_mps + 0.5 * dt_s * dt_s * state_.acceleration_mps2};
+  turn << 1.0 - 0.5 * (phi.y() * phi.y() + phi.z() * phi.z()), 0.5 * phi.x() * phi.y() - phi.z(),
+      0.5 * phi.x() * phi.z() + phi.y(), 0.5 * phi.x() * phi.y() + phi.z(),
+      1.0 - 0.5 * (phi.x() * phi.x() + phi.z() * phi.z()), 0.5 * phi.y() * phi.z() - phi.x(),
+      0.5 * phi.x() * phi.z() - phi.y(), 0.5 * phi.y() * phi.z() + phi.x(),
+      1.0 - 0.5 * (phi.x() * phi.x() + phi.y() * phi.y());
+  return {state_.T_world_base.rotation() * turn, state_.T_world_base.translation() + dt_s * state_.velocity_mps +
+                                                     0.5 * dt_s * dt_s * state_.acceleration_mps2};
 }
 
 }  // namespace slamd::simulate

@@ -18,7 +18,8 @@ PacketStream::PacketStream(const Scene& scene)
   const geometry::Se3& T_base_lidar = scene.mounting().T_base_lidar;
   if (scene.spinning() == nullptr) {
     const geometry::Se3 T_lidar_imu = scene.avia() != nullptr ? LivoxLidar::T_lidar_imu() : Mid360Lidar::T_lidar_imu();
-    own_imu_.emplace(scene.motion(), T_base_lidar * T_lidar_imu, kOwnImu_hz, scene.drive().imu_errors, scene.drive().seed + kOwnImuSeed);
+    own_imu_.emplace(scene.motion(), T_base_lidar * T_lidar_imu, kOwnImu_hz, scene.drive().imu_errors,
+                     scene.drive().seed + kOwnImuSeed);
   }
   prepare_extra();
 }
@@ -35,7 +36,8 @@ void PacketStream::prepare_extra() {
   double t_s = 0.0;
   InertialReading reading;
   if (own_imu_->next(t_s, reading)) {
-    extra_ = scene_.avia() != nullptr ? scene_.avia()->imu_packet(t_s, reading) : scene_.mid360()->imu_packet(t_s, imu_index_, reading);
+    extra_ = scene_.avia() != nullptr ? scene_.avia()->imu_packet(t_s, reading)
+                                      : scene_.mid360()->imu_packet(t_s, imu_index_, reading);
     ++imu_index_;
   }
 }
@@ -61,10 +63,12 @@ void PacketStream::cast_batch() {
     worker.join();
   }
   next_index_ += size;
-  std::stable_sort(batch_.begin(), batch_.end(), [](const SentPacket& a, const SentPacket& b) { return a.sent_s < b.sent_s; });
+  std::stable_sort(batch_.begin(), batch_.end(),
+                   [](const SentPacket& a, const SentPacket& b) { return a.sent_s < b.sent_s; });
   // The next batch's first packet is sent when its last firing is done, at the earliest.
   const double earliest_s = static_cast<double>(next_index_ + 1) * scene_.lidar().packet_s();
-  const auto later = std::partition_point(batch_.begin(), batch_.end(), [&](const SentPacket& p) { return p.sent_s < earliest_s; });
+  const auto later =
+      std::partition_point(batch_.begin(), batch_.end(), [&](const SentPacket& p) { return p.sent_s < earliest_s; });
   due_ = next_index_ == count_ ? batch_.size() : static_cast<std::size_t>(later - batch_.begin());
 }
 

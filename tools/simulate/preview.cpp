@@ -28,7 +28,8 @@ std::vector<plot::Rgb> palette() {
     for (std::size_t s = 0; s < kShades; ++s) {
       const double light = 0.45 + 0.275 * static_cast<double>(s);
       const plot::Rgb c = plot::height_colour(static_cast<double>(h) / (kHeights - 1));
-      colours.push_back({static_cast<std::uint8_t>(light * c.r), static_cast<std::uint8_t>(light * c.g), static_cast<std::uint8_t>(light * c.b)});
+      colours.push_back({static_cast<std::uint8_t>(light * c.r), static_cast<std::uint8_t>(light * c.g),
+                         static_cast<std::uint8_t>(light * c.b)});
     }
   }
   for (std::size_t g = 0; g < kGreys; ++g) {
@@ -63,7 +64,8 @@ bool is_roofed(const Scene& scene, double t_s) {
 
 /// Tells whether a wall stands in a pixel: roofs are off, but walls reach up to them and show no top.
 bool is_walled(const World& world, const Eigen::Vector3d& p, double pixel_m, double t_s) {
-  for (const Eigen::Vector3d& d : {Eigen::Vector3d(1, 0, 0), Eigen::Vector3d(-1, 0, 0), Eigen::Vector3d(0, 1, 0), Eigen::Vector3d(0, -1, 0)}) {
+  for (const Eigen::Vector3d& d :
+       {Eigen::Vector3d(1, 0, 0), Eigen::Vector3d(-1, 0, 0), Eigen::Vector3d(0, 1, 0), Eigen::Vector3d(0, -1, 0)}) {
     Hit hit;
     if (world.cast(p, d, pixel_m, kRays, hit, t_s)) {
       return true;
@@ -121,7 +123,8 @@ std::vector<Eigen::Vector3d> scan_directions(const Scene& scene, double t_s) {
   if (scene.spinning() == nullptr) {
     const Risley avia({0.3, 1.2, 2.1});
     for (int i = 0; i < 20'000; ++i) {
-      directions.push_back(scene.avia() != nullptr ? avia.direction(t_s + i / 240e3, i % 6) : scene.mid360()->direction(t_s + i / 200e3, i % 4));
+      directions.push_back(scene.avia() != nullptr ? avia.direction(t_s + i / 240e3, i % 6)
+                                                   : scene.mid360()->direction(t_s + i / 200e3, i % 4));
     }
     return directions;
   }
@@ -169,7 +172,8 @@ void draw_view(const Scene& scene, std::size_t top, double t_s, plot::IndexedIma
       if (!scene.world().cast(eye, d, 300.0, kRays + y * image.width + x, hit, t_s)) {
         continue;
       }
-      const double light = (0.35 + 0.65 * hit.cos_incidence) * std::sqrt(static_cast<double>(hit.reflectivity)) * (0.35 + 0.65 * std::exp(-hit.range_m / 70.0));
+      const double light = (0.35 + 0.65 * hit.cos_incidence) * std::sqrt(static_cast<double>(hit.reflectivity)) *
+                           (0.35 + 0.65 * std::exp(-hit.range_m / 70.0));
       const auto grey = static_cast<std::size_t>(std::clamp(light * 1.15, 0.0, 1.0) * (kGreys - 1));
       image.pixels[y * image.width + x] = static_cast<std::uint8_t>(kFirstGrey + grey);
     }
@@ -188,7 +192,9 @@ double best_moment_s(const Scene& scene) {
       const double azimuth = (ray % 40 - 19.5) / 19.5 * 0.75;
       const double elevation = (ray / 40 - 1) * 0.04;
       Hit hit;
-      const Eigen::Vector3d d = T.rotation() * Eigen::Vector3d(std::cos(elevation) * std::cos(azimuth), std::cos(elevation) * std::sin(azimuth), std::sin(elevation));
+      const Eigen::Vector3d d =
+          T.rotation() * Eigen::Vector3d(std::cos(elevation) * std::cos(azimuth),
+                                         std::cos(elevation) * std::sin(azimuth), std::sin(elevation));
       const bool met = scene.world().cast(T.translation() + Eigen::Vector3d(0.0, 0.0, 1.0), d, 70.0, kRays, hit, t_s);
       seen += met && hit.range_m > 4.0 ? 1 : 0;
     }

@@ -17,7 +17,8 @@ std::vector<Eigen::Vector2d> beside(const std::vector<Eigen::Vector2d>& corners,
     const Eigen::Vector2d right_out(out.y(), -out.x());
     const Eigen::Vector2d sum = right_in + right_out;
     const double length = sum.squaredNorm();
-    line.push_back(corners[i] + (length > 0.3 ? Eigen::Vector2d(2.0 * right_m / length * sum) : Eigen::Vector2d(right_m * right_in)));
+    line.push_back(corners[i] + (length > 0.3 ? Eigen::Vector2d(2.0 * right_m / length * sum)
+                                              : Eigen::Vector2d(right_m * right_in)));
   }
   return line;
 }
@@ -31,8 +32,9 @@ const std::vector<std::string>& world_names() {
 
 std::unique_ptr<Scenery> make_scenery(const std::string& name, std::uint64_t seed, const Extras& extras) {
   using Make = Scenery (*)(std::uint64_t, const Extras&);
-  const std::vector<std::pair<std::string, Make>> makers{{"town", make_town},     {"campus", make_campus},       {"indoor", make_indoor},
-                                                         {"tunnel", make_tunnel}, {"warehouse", make_warehouse}, {"harbour", make_harbour}};
+  const std::vector<std::pair<std::string, Make>> makers{{"town", make_town},           {"campus", make_campus},
+                                                         {"indoor", make_indoor},       {"tunnel", make_tunnel},
+                                                         {"warehouse", make_warehouse}, {"harbour", make_harbour}};
   for (const auto& [known, make] : makers) {
     if (known == name) {
       return std::make_unique<Scenery>(make(seed, extras));

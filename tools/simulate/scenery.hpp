@@ -15,7 +15,8 @@ namespace slamd::simulate {
 /// A world and the tour through it.
 class Scenery {
  public:
-  Scenery(World world, Route route, std::uint64_t seed) : world_(std::move(world)), route_(std::move(route)), seed_(seed) {}
+  Scenery(World world, Route route, std::uint64_t seed)
+      : world_(std::move(world)), route_(std::move(route)), seed_(seed) {}
   virtual ~Scenery() = default;
   Scenery(const Scenery&) = delete;
   Scenery& operator=(const Scenery&) = delete;

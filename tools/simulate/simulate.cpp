@@ -61,11 +61,13 @@ void write_wheels(const Scene& scene, const fs::path& file) {
 void write_gnss(const Scene& scene, const fs::path& file) {
   TextFile out(file);
   std::fprintf(out.stream(), "timestamp_ns,quality,lat_deg,lon_deg,alt_m,sats,hdop,speed_m_s,course_deg\n");
-  GnssSensor sensor(scene.motion(), scene.mounting().T_base_antenna, kGnss_hz, scene.drive().gnss_errors, scene.drive().seed);
+  GnssSensor sensor(scene.motion(), scene.mounting().T_base_antenna, kGnss_hz, scene.drive().gnss_errors,
+                    scene.drive().seed);
   double t_s = 0.0;
   for (GnssReading r; sensor.next(t_s, r);) {
-    std::fprintf(out.stream(), "%lld,%d,%.9f,%.9f,%.3f,%d,%.1f,%.3f,%.2f\n", stamp_ns(t_s), r.quality, r.place.latitude_deg,
-                 r.place.longitude_deg, r.place.altitude_m, r.satellites, r.hdop, r.speed_mps, r.course_deg);
+    std::fprintf(out.stream(), "%lld,%d,%.9f,%.9f,%.3f,%d,%.1f,%.3f,%.2f\n", stamp_ns(t_s), r.quality,
+                 r.place.latitude_deg, r.place.longitude_deg, r.place.altitude_m, r.satellites, r.hdop, r.speed_mps,
+                 r.course_deg);
   }
   out.close();
 }

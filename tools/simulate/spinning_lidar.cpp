@@ -24,8 +24,8 @@ std::uint32_t stamp_us(double hour_s) {
 
 }  // namespace
 
-SpinningLidar::SpinningLidar(const World& world, const Motion& motion, const geometry::Se3& T_base_lidar, const RangeErrors& errors,
-                             std::uint64_t seed, const SpinningSettings& settings)
+SpinningLidar::SpinningLidar(const World& world, const Motion& motion, const geometry::Se3& T_base_lidar,
+                             const RangeErrors& errors, std::uint64_t seed, const SpinningSettings& settings)
     : model_(model_of(settings.kind)),
       settings_(settings),
       motion_(motion),
@@ -45,7 +45,8 @@ double SpinningLidar::azimuth_deg(double t_s) const {
 
 void SpinningLidar::store(std::span<std::byte> bytes, std::size_t at, const Echo& echo) const {
   store_le(bytes, at, static_cast<std::uint16_t>(std::clamp(std::lround(echo.range_m / model_.unit_m), 1L, 65535L)));
-  store_le(bytes, at + 2, static_cast<std::uint8_t>(std::clamp(100.0 * static_cast<double>(echo.reflectivity), 1.0, 255.0)));
+  store_le(bytes, at + 2,
+           static_cast<std::uint8_t>(std::clamp(100.0 * static_cast<double>(echo.reflectivity), 1.0, 255.0)));
 }
 
 void SpinningLidar::shoot_sequence(std::uint64_t index, int sequence, std::span<std::byte> bytes) const {
@@ -59,10 +60,12 @@ void SpinningLidar::shoot_sequence(std::uint64_t index, int sequence, std::span<
     const double after_s = model_.laser_s * (laser / model_.group);
     const double alpha = (azimuth_deg(sequence_s + after_s) - model_.azimuth_offset_deg[id]) * kDegree;
     const double omega = model_.elevation_deg[id] * kDegree;
-    const Eigen::Vector3d d_lidar(std::cos(omega) * std::cos(alpha), -std::cos(omega) * std::sin(alpha), std::sin(omega));
+    const Eigen::Vector3d d_lidar(std::cos(omega) * std::cos(alpha), -std::cos(omega) * std::sin(alpha),
+                                  std::sin(omega));
     const geometry::Se3 T_world_lidar = motion.pose_after(after_s) * T_base_lidar_;
     const std::uint64_t shot = index * shots() + static_cast<std::uint64_t>(sequence * model_.lasers + laser);
-    const Echoes echoes = beam_.shoot(T_world_lidar.translation(), T_world_lidar.rotation() * d_lidar, sequence_s + after_s, shot, beam_bias_m_[id]);
+    const Echoes echoes = beam_.shoot(T_world_lidar.translation(), T_world_lidar.rotation() * d_lidar,
+                                      sequence_s + after_s, shot, beam_bias_m_[id]);
     if (echoes.count == 0) {
       continue;  // sent as zeros
     }
@@ -97,7 +100,9 @@ SentPacket SpinningLidar::data_packet(std::uint64_t index, double hour_offset_s)
     const auto pair = static_cast<int>(settings_.dual ? block / 2 : block);
     const double block_s = begin_s + model_.sequence_s * model_.sequences_per_block() * pair;
     store_le<std::uint16_t>(bytes, block * kBlockBytes, 0xEEFF);
-    store_le(bytes, block * kBlockBytes + 2, static_cast<std::uint16_t>(static_cast<std::uint64_t>(std::llround(100.0 * azimuth_deg(block_s))) % 36000));
+    store_le(
+        bytes, block * kBlockBytes + 2,
+        static_cast<std::uint16_t>(static_cast<std::uint64_t>(std::llround(100.0 * azimuth_deg(block_s))) % 36000));
   }
   for (int sequence = 0; sequence < sequences(); ++sequence) {
     shoot_sequence(index, sequence, bytes);
@@ -125,8 +130,9 @@ SentPacket SpinningLidar::position_packet(std::uint64_t index) const {
   const MotionState state = motion_.at(second);
   const Eigen::Vector3d& v = state.velocity_mps;
   const double course_deg = std::fmod(std::atan2(v.x(), v.y()) / kDegree + 360.0, 360.0);
-  const std::string sentence = rmc_sentence(settings_.unix_s + static_cast<std::int64_t>(second), geodetic_of(state.T_world_base.translation()),
-                                            v.head<2>().norm(), course_deg);
+  const std::string sentence =
+      rmc_sentence(settings_.unix_s + static_cast<std::int64_t>(second), geodetic_of(state.T_world_base.translation()),
+                   v.head<2>().norm(), course_deg);
   for (std::size_t i = 0; i < sentence.size(); ++i) {
     bytes[0xCE + i] = static_cast<std::byte>(sentence[i]);
   }

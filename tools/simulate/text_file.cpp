@@ -7,7 +7,8 @@
 
 namespace slamd::simulate {
 
-TextFile::TextFile(const std::filesystem::path& file) : file_(file), stream_(std::fopen(file.c_str(), "wb"), std::fclose) {
+TextFile::TextFile(const std::filesystem::path& file)
+    : file_(file), stream_(std::fopen(file.c_str(), "wb"), std::fclose) {
   if (!stream_) {
     throw recording::RecordingError(file, std::strerror(errno));
   }

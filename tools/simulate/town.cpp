@@ -42,7 +42,8 @@ std::vector<double> kerbs(const std::vector<double>& lines) {
 }
 
 /// Road, kerb and sidewalk.
-double ground_height(const Waves& road, const std::vector<double>& xs, const std::vector<double>& ys, double x, double y) {
+double ground_height(const Waves& road, const std::vector<double>& xs, const std::vector<double>& ys, double x,
+                     double y) {
   const bool on_road = distance_to_nearest(xs, x) < kHalfRoad_m || distance_to_nearest(ys, y) < kHalfRoad_m;
   return road.height(x, y) + (on_road ? 0.0 : kKerb_m);
 }
@@ -56,7 +57,8 @@ class TownBuilder {
  private:
   void add_block(int column, int row);
   void add_building(const Eigen::Vector2d& centre, const Eigen::Vector2d& half, std::uint64_t index);
-  void add_facade(const Eigen::Vector2d& from, const Eigen::Vector2d& to, double top_m, double bottom_m, std::uint64_t index);
+  void add_facade(const Eigen::Vector2d& from, const Eigen::Vector2d& to, double top_m, double bottom_m,
+                  std::uint64_t index);
   void add_street_side(const Eigen::Vector2d& from, const Eigen::Vector2d& to, std::uint64_t index);
 
   Noise noise_;
@@ -73,7 +75,8 @@ TownBuilder::TownBuilder(std::uint64_t seed)
       streets_x_(street_lines(noise_, 10)),
       streets_y_(street_lines(noise_, 20)),
       road_(noise_, 35.0, 120.0, 2.0 * M_PI * 0.0016),
-      world_([road = road_, xs = streets_x_, ys = streets_y_](double x, double y) { return ground_height(road, xs, ys, x, y); },
+      world_([road = road_, xs = streets_x_, ys = streets_y_](double x,
+                                                              double y) { return ground_height(road, xs, ys, x, y); },
              {2.0 * kMargin_m + kPitch_m * (kStreets - 1), 2.0 * kMargin_m + kPitch_m * (kStreets - 1)}, seed,
              {kerbs(streets_x_), kerbs(streets_y_)}) {
   for (int column = -1; column < kStreets; ++column) {
@@ -85,8 +88,8 @@ TownBuilder::TownBuilder(std::uint64_t seed)
 
 Scenery TownBuilder::build(std::uint64_t seed, const Extras& extras) {
   // Corners of the tour as street numbers; it crosses and repeats itself in both directions before it closes.
-  const std::vector<std::pair<std::size_t, std::size_t>> crossings{{1, 1}, {2, 1}, {2, 2}, {1, 2}, {1, 1}, {1, 3}, {3, 3},
-                                                                   {3, 2}, {2, 2}, {2, 1}, {3, 1}, {3, 2}, {1, 2}, {1, 1}};
+  const std::vector<std::pair<std::size_t, std::size_t>> crossings{
+      {1, 1}, {2, 1}, {2, 2}, {1, 2}, {1, 1}, {1, 3}, {3, 3}, {3, 2}, {2, 2}, {2, 1}, {3, 1}, {3, 2}, {1, 2}, {1, 1}};
   Route route;
   for (const auto& [x, y] : crossings) {
     route.corners.emplace_back(streets_x_[x], streets_y_[y]);
@@ -117,7 +120,8 @@ void TownBuilder::add_block(int column, int row) {
       const double back = noise_.uniform(house + 33, 0.0, 2.5);
       const double y = side == 0 ? south + back + 0.5 * depth : north - back - 0.5 * depth;
       add_building({x + 0.5 * width, y}, {0.5 * width, 0.5 * depth}, house);
-      x += width + (noise_.uniform(house + 44) < 0.5 ? noise_.uniform(house + 55, 0.0, 0.3) : noise_.uniform(house + 66, 2.0, 6.0));
+      x += width + (noise_.uniform(house + 44) < 0.5 ? noise_.uniform(house + 55, 0.0, 0.3)
+                                                     : noise_.uniform(house + 66, 2.0, 6.0));
     }
   }
   add_street_side({west, south - kSidewalk_m}, {east, south - kSidewalk_m}, index + 300);
@@ -134,7 +138,10 @@ void TownBuilder::add_building(const Eigen::Vector2d& centre, const Eigen::Vecto
   const double ground = world_.ground(centre.x(), centre.y());
   const double height = noise_.uniform(index + 77, 4.0, 13.0);
   const Reflectivity reflectivity = static_cast<Reflectivity>(noise_.uniform(index + 78, 0.25, 0.7));
-  world_.add(OrientedBox{{centre.x(), centre.y(), ground + 0.5 * height - 1.0}, {half.x(), half.y(), 0.5 * height + 1.0}, 0.0, reflectivity});
+  world_.add(OrientedBox{{centre.x(), centre.y(), ground + 0.5 * height - 1.0},
+                         {half.x(), half.y(), 0.5 * height + 1.0},
+                         0.0,
+                         reflectivity});
   const Eigen::Vector2d a = centre - half;
   const Eigen::Vector2d b = centre + half;
   add_facade({a.x(), a.y()}, {b.x(), a.y()}, ground + height, ground, index + 1'000'000);
@@ -143,7 +150,8 @@ void TownBuilder::add_building(const Eigen::Vector2d& centre, const Eigen::Vecto
   add_facade({a.x(), b.y()}, {a.x(), a.y()}, ground + height, ground, index + 4'000'000);
 }
 
-void TownBuilder::add_facade(const Eigen::Vector2d& from, const Eigen::Vector2d& to, double top_m, double bottom_m, std::uint64_t index) {
+void TownBuilder::add_facade(const Eigen::Vector2d& from, const Eigen::Vector2d& to, double top_m, double bottom_m,
+                             std::uint64_t index) {
   const Eigen::Vector2d along = (to - from).normalized();
   const Eigen::Vector2d outward(along.y(), -along.x());
   const double yaw = std::atan2(along.y(), along.x());
@@ -155,7 +163,10 @@ void TownBuilder::add_facade(const Eigen::Vector2d& from, const Eigen::Vector2d&
     // A pilaster between the bays, and sills and lintels that frame each window.
     const double depth = noise_.uniform(item + 2, 0.08, 0.3);
     const Eigen::Vector2d pilaster = from + i * bay * along + 0.5 * depth * outward;
-    world_.add(OrientedBox{{pilaster.x(), pilaster.y(), 0.5 * (top_m + bottom_m)}, {0.2, 0.5 * depth, 0.5 * (top_m - bottom_m)}, yaw, 0.45F});
+    world_.add(OrientedBox{{pilaster.x(), pilaster.y(), 0.5 * (top_m + bottom_m)},
+                           {0.2, 0.5 * depth, 0.5 * (top_m - bottom_m)},
+                           yaw,
+                           0.45F});
     for (double floor = bottom_m + 0.9; floor + 2.0 < top_m; floor += 3.0) {
       const Eigen::Vector2d sill = middle + 0.1 * outward;
       world_.add(OrientedBox{{sill.x(), sill.y(), floor}, {0.6, 0.1, 0.06}, yaw, 0.55F});
@@ -190,12 +201,15 @@ void TownBuilder::add_street_side(const Eigen::Vector2d& from, const Eigen::Vect
       const Eigen::Vector2d tree = kerb - 0.9 * to_road;
       const double trunk = noise_.uniform(index * 7 + 1, 2.0, 3.0);
       const double radius = noise_.uniform(index * 7 + 2, 1.1, 2.0);
-      world_.add(Cylinder{tree, noise_.uniform(index * 7 + 3, 0.08, 0.2), ground - 0.5, ground + trunk + 0.5 * radius, 0.3F});
-      world_.add(Crown{{tree.x(), tree.y(), ground + trunk + radius}, radius, noise_.uniform(index * 7 + 4, 0.7, 1.8), 0.25F});
+      world_.add(
+          Cylinder{tree, noise_.uniform(index * 7 + 3, 0.08, 0.2), ground - 0.5, ground + trunk + 0.5 * radius, 0.3F});
+      world_.add(
+          Crown{{tree.x(), tree.y(), ground + trunk + radius}, radius, noise_.uniform(index * 7 + 4, 0.7, 1.8), 0.25F});
       s += 3.0;
     } else if (draw < 0.19) {  // a lamp, or a sign
       const Eigen::Vector2d pole = kerb - 0.4 * to_road;
-      world_.add(Cylinder{pole, noise_.uniform(index * 7 + 1, 0.04, 0.1), ground - 0.5, ground + noise_.uniform(index * 7 + 2, 2.5, 6.0), 0.5F});
+      world_.add(Cylinder{pole, noise_.uniform(index * 7 + 1, 0.04, 0.1), ground - 0.5,
+                          ground + noise_.uniform(index * 7 + 2, 2.5, 6.0), 0.5F});
       if (draw > 0.17) {
         world_.add(OrientedBox{{pole.x(), pole.y(), ground + 2.3}, {0.35, 0.02, 0.25}, yaw + M_PI_2, 0.9F});
       }

@@ -68,8 +68,10 @@ void write_loops(const std::vector<TrueLoop>& loops, const std::filesystem::path
   TextFile out(file);
   std::fprintf(out.stream(), "timestamp_ns,earlier_timestamp_ns,distance_m,yaw_rad\n");
   for (const TrueLoop& loop : loops) {
-    std::fprintf(out.stream(), "%lld,%lld,%.3f,%.5f\n", static_cast<long long>(stamp_at(loop.later_s).time_since_epoch().count()),
-                 static_cast<long long>(stamp_at(loop.earlier_s).time_since_epoch().count()), loop.distance_m, loop.yaw_rad);
+    std::fprintf(out.stream(), "%lld,%lld,%.3f,%.5f\n",
+                 static_cast<long long>(stamp_at(loop.later_s).time_since_epoch().count()),
+                 static_cast<long long>(stamp_at(loop.earlier_s).time_since_epoch().count()), loop.distance_m,
+                 loop.yaw_rad);
   }
   out.close();
 }
@@ -86,7 +88,8 @@ std::vector<Eigen::Vector3f> true_map(const Scene& scene, double spacing_m) {
     for (int i = 0; i < 7200 && points.size() < kMaxMapPoints; ++i, ++ray) {
       const double azimuth = noise.uniform(2 * ray, 0.0, 2.0 * M_PI);
       const double elevation = noise.uniform(2 * ray + 1, -0.7, 0.9);
-      const Eigen::Vector3d d(std::cos(elevation) * std::cos(azimuth), std::cos(elevation) * std::sin(azimuth), std::sin(elevation));
+      const Eigen::Vector3d d(std::cos(elevation) * std::cos(azimuth), std::cos(elevation) * std::sin(azimuth),
+                              std::sin(elevation));
       Hit hit;
       if (scene.world().cast(eye, d, 80.0, ray, hit, World::kStandingOnly)) {
         const Eigen::Vector3f p = (eye + hit.range_m * d).cast<float>();

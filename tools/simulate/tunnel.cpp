@@ -45,7 +45,8 @@ Eigen::Vector3d lining(const Axis& axis, double s, double turn) {
   return {q.x(), q.y(), kWall_m + 0.8 * kHalfWidth_m * std::sin(angle)};
 }
 
-void add_quad(World& world, const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c, const Eigen::Vector3d& d) {
+void add_quad(World& world, const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c,
+              const Eigen::Vector3d& d) {
   world.add(Triangle{{a.cast<float>(), b.cast<float>(), c.cast<float>()}, 0.35F});
   world.add(Triangle{{a.cast<float>(), c.cast<float>(), d.cast<float>()}, 0.35F});
 }
@@ -58,8 +59,8 @@ void add_lining(World& world, const Axis& axis) {
   turns.push_back(1.0);
   for (double s = 0.0; s < axis.length(); s += kStep_m) {
     for (std::size_t i = 0; i + 1 < turns.size(); ++i) {
-      add_quad(world, lining(axis, s, turns[i]), lining(axis, s + kStep_m, turns[i]), lining(axis, s + kStep_m, turns[i + 1]),
-               lining(axis, s, turns[i + 1]));
+      add_quad(world, lining(axis, s, turns[i]), lining(axis, s + kStep_m, turns[i]),
+               lining(axis, s + kStep_m, turns[i + 1]), lining(axis, s, turns[i + 1]));
     }
   }
 }
@@ -100,7 +101,10 @@ void add_portal(World& world, const Axis& axis, double s, const Noise& noise, st
       const double out = (s > 1.0 ? 1.0 : -1.0) * noise.uniform(index, 3.0, 13.0);
       const Eigen::Vector2d rock = p + out * ahead + side * noise.uniform(index + 50, 4.5, 8.0) * right;
       const double size = noise.uniform(index + 90, 0.4, 1.3);
-      world.add(OrientedBox{{rock.x(), rock.y(), 0.5 * size}, {size, 0.8 * size, 0.6 * size}, noise.uniform(index + 130, 0.0, 3.0), 0.25F});
+      world.add(OrientedBox{{rock.x(), rock.y(), 0.5 * size},
+                            {size, 0.8 * size, 0.6 * size},
+                            noise.uniform(index + 130, 0.0, 3.0),
+                            0.25F});
     }
   }
 }

@@ -24,9 +24,11 @@ class Driver {
       turn();
       return;
     }
-    const bool stopping = t_s < ride_.rest_s || t_s > ride_.duration_s - 2.0 || (std::fmod(t_s, 75.0) > 60.0 && std::fmod(t_s, 75.0) < 64.0);
+    const bool stopping = t_s < ride_.rest_s || t_s > ride_.duration_s - 2.0 ||
+                          (std::fmod(t_s, 75.0) > 60.0 && std::fmod(t_s, 75.0) < 64.0);
     const double bend = std::abs(std::remainder(heading_at(s_ + 3.0) - heading_at(s_), 2.0 * M_PI)) / 3.0;
-    double wanted = stopping ? 0.0 : std::min(ride_.speed_mps * (1.0 + 0.15 * std::sin(0.21 * t_s)), 0.7 / (bend + 1e-3));
+    double wanted =
+        stopping ? 0.0 : std::min(ride_.speed_mps * (1.0 + 0.15 * std::sin(0.21 * t_s)), 0.7 / (bend + 1e-3));
     const double tight = std::abs(std::remainder(heading_at(s_ + 1.0) - heading_at(s_), 2.0 * M_PI));
     wanted = std::min(wanted, kInBends_radps / (tight + 1e-3));
     const double left = to_next_turn();
@@ -45,7 +47,8 @@ class Driver {
 
   Eigen::Vector2d position() const {
     const std::size_t i = index_at(s_);
-    return line_.points[i] + (s_ / CentreLine::kStep_m - static_cast<double>(i)) * (line_.points[i + 1] - line_.points[i]);
+    return line_.points[i] +
+           (s_ / CentreLine::kStep_m - static_cast<double>(i)) * (line_.points[i + 1] - line_.points[i]);
   }
 
   double s_m() const { return s_; }
@@ -53,7 +56,9 @@ class Driver {
   double yaw() const { return yaw_; }
 
  private:
-  std::size_t index_at(double s) const { return std::min(static_cast<std::size_t>(s / CentreLine::kStep_m), line_.points.size() - 12); }
+  std::size_t index_at(double s) const {
+    return std::min(static_cast<std::size_t>(s / CentreLine::kStep_m), line_.points.size() - 12);
+  }
 
   /// The direction of the next metre, or of what is left of it before a sharp corner.
   double heading_at(double s) const {
@@ -69,12 +74,14 @@ class Driver {
   }
 
   double to_next_turn() const {
-    return next_turn_ < line_.turns.size() ? CentreLine::kStep_m * static_cast<double>(line_.turns[next_turn_]) - s_ : 1e9;
+    return next_turn_ < line_.turns.size() ? CentreLine::kStep_m * static_cast<double>(line_.turns[next_turn_]) - s_
+                                           : 1e9;
   }
 
   void turn() {
     const double left = std::remainder(heading_at(s_ + 0.05) - yaw_, 2.0 * M_PI);
-    const double wanted = std::copysign(std::min(ride_.turn_rate_radps, std::sqrt(kTurning_radps2 * std::abs(left))), left);
+    const double wanted =
+        std::copysign(std::min(ride_.turn_rate_radps, std::sqrt(kTurning_radps2 * std::abs(left))), left);
     turn_rate_ += std::clamp(wanted - turn_rate_, -kTurning_radps2 * kKnot_s, kTurning_radps2 * kKnot_s);
     yaw_ += turn_rate_ * kKnot_s;
     if (std::abs(left) < 0.02 && std::abs(turn_rate_) < 0.3) {
@@ -120,7 +127,8 @@ Vibration vibration_of(double acceleration_mps2, const Noise& noise) {
   Vibration vibration;
   for (std::size_t i = 0; i < vibration.modes.size(); ++i) {
     const double rate = 2.0 * M_PI * noise.uniform(i, 9.0, 42.0);
-    const double share = acceleration_mps2 * std::sqrt(2.0 / static_cast<double>(vibration.modes.size())) / (rate * rate);
+    const double share =
+        acceleration_mps2 * std::sqrt(2.0 / static_cast<double>(vibration.modes.size())) / (rate * rate);
     // Mostly up and down; about the axes with an arm of half a metre.
     vibration.modes[i] = {rate, noise.uniform(100 + i, 0.0, 2.0 * M_PI),
                           {0.3 * share, 0.3 * share, share, 0.1 * share, 0.5 * share, 0.5 * share}};
@@ -131,7 +139,8 @@ Vibration vibration_of(double acceleration_mps2, const Noise& noise) {
 }  // namespace
 
 Motion drive(const Route& route, const Ride& ride, std::uint64_t seed) {
-  const CentreLine line = centre_line(route, ride.duration_s * 1.2 * ride.speed_mps + 50.0, ride.vehicle == VehicleKind::kSkidSteer);
+  const CentreLine line =
+      centre_line(route, ride.duration_s * 1.2 * ride.speed_mps + 50.0, ride.vehicle == VehicleKind::kSkidSteer);
   const Noise bumps(seed, 3);
   Driver driver(line, ride);
   std::vector<Motion::Channels> points;
@@ -144,7 +153,8 @@ Motion drive(const Route& route, const Ride& ride, std::uint64_t seed) {
     const Eigen::Vector2d p = driver.position();
     const double yaw = driver.yaw();
     const auto floor = [&](double ahead, double left) {
-      return route.floor(p.x() + ahead * std::cos(yaw) - left * std::sin(yaw), p.y() + ahead * std::sin(yaw) + left * std::cos(yaw)) +
+      return route.floor(p.x() + ahead * std::cos(yaw) - left * std::sin(yaw),
+                         p.y() + ahead * std::sin(yaw) + left * std::cos(yaw)) +
              bump_m(driver.s_m() + ahead, ride.bumps_per_100m);
     };
     // Suspension: the body follows the slope with a lag; the road shakes it a little while it moves.
@@ -155,7 +165,8 @@ Motion drive(const Route& route, const Ride& ride, std::uint64_t seed) {
     const double gain = k == 0 ? 1.0 : 0.2;
     pitch += gain * (slope_pitch + 0.004 * shake * bumps.normal(3 * number) - pitch);
     roll += gain * (slope_roll + 0.004 * shake * bumps.normal(3 * number + 1) - roll);
-    points.push_back({p.x(), p.y(), floor(0.0, 0.0) + ride.height_m + 0.002 * shake * bumps.normal(3 * number + 2), yaw, pitch, roll});
+    points.push_back({p.x(), p.y(), floor(0.0, 0.0) + ride.height_m + 0.002 * shake * bumps.normal(3 * number + 2), yaw,
+                      pitch, roll});
     walking += 0.05 * (shake - walking);
     if (ride.vehicle == VehicleKind::kHandheld) {
       carry(points.back(), k * kKnot_s, walking);

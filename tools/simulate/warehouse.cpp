@@ -59,7 +59,8 @@ Scenery make_warehouse(std::uint64_t seed, const Extras& extras) {
   }
   const std::vector<Gap> gates{{14.0, 18.0}, {34.0, 38.0}};
   for (const double x : {0.5, kLength_m - 0.5}) {
-    add_wall(world, {false, x, 0.5, kWidth_m - 0.5, 0.0, kRoof_m, 0.3, 0.5F, 0.0F}, x < 1.0 ? gates : std::vector<Gap>{});
+    add_wall(world, {false, x, 0.5, kWidth_m - 0.5, 0.0, kRoof_m, 0.3, 0.5F, 0.0F},
+             x < 1.0 ? gates : std::vector<Gap>{});
   }
   for (const double y : {0.5, kWidth_m - 0.5}) {
     add_wall(world, {true, y, 0.5, kLength_m - 0.5, 0.0, kRoof_m, 0.3, 0.5F, 0.0F}, {});
@@ -75,7 +76,8 @@ Scenery make_warehouse(std::uint64_t seed, const Extras& extras) {
   }
   // A few pallets that somebody left at the ends of the aisles.
   for (std::uint64_t i = 0; i < 14; ++i) {
-    const double x = noise.uniform(90 + i) < 0.5 ? noise.uniform(110 + i, 1.2, 3.2) : kLength_m - noise.uniform(110 + i, 2.4, 4.4);
+    const double x =
+        noise.uniform(90 + i) < 0.5 ? noise.uniform(110 + i, 1.2, 3.2) : kLength_m - noise.uniform(110 + i, 2.4, 4.4);
     const double y = noise.uniform(130 + i, 4.0, kWidth_m - 6.0);
     add_block(world, {x, y, 0.0}, {x + 1.2, y + 0.8, noise.uniform(150 + i, 0.15, 1.6)}, 0.45F);
   }

@@ -15,8 +15,8 @@ class Waves {
     for (std::uint64_t i = 0; i < waves_.size(); ++i) {
       const double length = noise.uniform(900 + i, shortest_m, longest_m);
       const double heading = noise.uniform(910 + i, 0.0, 2.0 * M_PI);
-      waves_[i] = {slope / (2.0 * M_PI) * length, 2.0 * M_PI * std::cos(heading) / length, 2.0 * M_PI * std::sin(heading) / length,
-                   noise.uniform(920 + i, 0.0, 2.0 * M_PI)};
+      waves_[i] = {slope / (2.0 * M_PI) * length, 2.0 * M_PI * std::cos(heading) / length,
+                   2.0 * M_PI * std::sin(heading) / length, noise.uniform(920 + i, 0.0, 2.0 * M_PI)};
     }
   }
 

@@ -21,7 +21,8 @@ bool WheelSensor::next(double& t_s, WheelReading& reading) {
   const double spin = spins ? 1.0 + noise_.uniform(1'000'000 + half_second, 0.2, 0.8) : 1.0;
   const auto side = [&](double sign, std::uint64_t stream) {
     const double true_mps = spin * (v + sign * 0.5 * errors_.track_m * w);
-    return true_mps * (1.0 + errors_.scale * noise_.normal(stream) + errors_.noise * noise_.normal(2'000'000 + 4 * index_ + stream));
+    return true_mps * (1.0 + errors_.scale * noise_.normal(stream) +
+                       errors_.noise * noise_.normal(2'000'000 + 4 * index_ + stream));
   };
   reading.left_mps = side(-1.0, 1);
   reading.right_mps = side(1.0, 2);

@@ -78,13 +78,16 @@ Wire wire_of(std::span<const std::byte> payload) {
   if (payload.size() > kLivoxHeader && payload[0] == std::byte{5}) {
     return payload[9] == std::byte{6} ? Wire::kLivoxImu : Wire::kLivoxPoints;
   }
-  if (payload.size() > kLivox2Header && payload[0] == std::byte{0} && load_le<std::uint16_t>(payload, 1) == payload.size()) {
+  if (payload.size() > kLivox2Header && payload[0] == std::byte{0} &&
+      load_le<std::uint16_t>(payload, 1) == payload.size()) {
     return payload[10] == std::byte{0} ? Wire::kLivox2Imu : Wire::kLivox2Points;
   }
   return Wire::kOther;
 }
 
-bool is_points(Wire wire) { return wire == Wire::kVelodyneData || wire == Wire::kLivoxPoints || wire == Wire::kLivox2Points; }
+bool is_points(Wire wire) {
+  return wire == Wire::kVelodyneData || wire == Wire::kLivoxPoints || wire == Wire::kLivox2Points;
+}
 
 bool is_imu(Wire wire) { return wire == Wire::kLivoxImu || wire == Wire::kLivox2Imu; }
 
@@ -116,7 +119,8 @@ std::uint64_t block_sector(std::span<std::byte> payload, Wire wire, const Sector
   if (wire == Wire::kVelodyneData) {
     return block_velodyne(payload, sector);
   }
-  const bool cartesian = wire == Wire::kLivoxPoints && (payload[9] == std::byte{2} || payload[9] == std::byte{4} || payload[9] == std::byte{7});
+  const bool cartesian = wire == Wire::kLivoxPoints &&
+                         (payload[9] == std::byte{2} || payload[9] == std::byte{4} || payload[9] == std::byte{7});
   if (cartesian) {
     return block_cartesian(payload, kLivoxHeader, sector);
   }

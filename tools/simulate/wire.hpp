@@ -9,7 +9,15 @@
 namespace slamd::simulate {
 
 /// What a datagram holds, by its bytes.
-enum class Wire : std::uint8_t { kVelodyneData, kVelodynePosition, kLivoxPoints, kLivoxImu, kLivox2Points, kLivox2Imu, kOther };
+enum class Wire : std::uint8_t {
+  kVelodyneData,
+  kVelodynePosition,
+  kLivoxPoints,
+  kLivoxImu,
+  kLivox2Points,
+  kLivox2Imu,
+  kOther
+};
 
 inline constexpr std::size_t kWires = 7;
 

@@ -45,7 +45,8 @@ Bounds World::bounds_of(const Thing& thing) const {
       const OrientedBox& box = boxes_[thing.index];
       const double c = std::abs(std::cos(box.yaw_rad));
       const double s = std::abs(std::sin(box.yaw_rad));
-      const Eigen::Vector3d reach(c * box.half.x() + s * box.half.y(), s * box.half.x() + c * box.half.y(), box.half.z());
+      const Eigen::Vector3d reach(c * box.half.x() + s * box.half.y(), s * box.half.x() + c * box.half.y(),
+                                  box.half.z());
       return {(box.centre - reach).cast<float>(), (box.centre + reach).cast<float>()};
     }
     case Kind::kCylinder: {
@@ -60,7 +61,8 @@ Bounds World::bounds_of(const Thing& thing) const {
     case Kind::kTriangle: break;
   }
   const Triangle& t = triangles_[thing.index];
-  return {t.corners[0].cwiseMin(t.corners[1]).cwiseMin(t.corners[2]), t.corners[0].cwiseMax(t.corners[1]).cwiseMax(t.corners[2])};
+  return {t.corners[0].cwiseMin(t.corners[1]).cwiseMin(t.corners[2]),
+          t.corners[0].cwiseMax(t.corners[1]).cwiseMax(t.corners[2])};
 }
 
 void World::build() {
@@ -113,7 +115,8 @@ void World::try_thing(std::uint32_t index, const Ray& ray, Hit& best) const {
       const OrientedBox& box = boxes_[thing.index];
       Hit hit = best;
       if (intersect(box, turns_[thing.index], ray, hit) &&
-          (box.transparency <= 0.0F || leaves_.uniform(ray.number * 137 + thing.index) >= static_cast<double>(box.transparency))) {
+          (box.transparency <= 0.0F ||
+           leaves_.uniform(ray.number * 137 + thing.index) >= static_cast<double>(box.transparency))) {
         best = hit;
       }
       break;
@@ -135,7 +138,8 @@ void World::try_movers(const Ray& ray, double t_s, Hit& best) const {
     const double c = std::cos(place.yaw_rad);
     const double s = std::sin(place.yaw_rad);
     for (OrientedBox box : movers_[i].boxes) {
-      box.centre = place.position + Eigen::Vector3d(c * box.centre.x() - s * box.centre.y(), s * box.centre.x() + c * box.centre.y(), box.centre.z());
+      box.centre = place.position + Eigen::Vector3d(c * box.centre.x() - s * box.centre.y(),
+                                                    s * box.centre.x() + c * box.centre.y(), box.centre.z());
       intersect(box, {c, s}, ray, best);
     }
   }

@@ -60,17 +60,20 @@ TEST_P(PointsOfEveryWorld, LieOnItsSurfacesWithTheConfiguredNoise) {
 
     const Spread sut = distance_to_surfaces(scene, {});
 
-    EXPECT_TRUE(lies_on_surfaces(sut)) << name_of(lidar) << ": median " << sut.median << ", sigma " << sut.sigma << " of " << sut.count;
+    EXPECT_TRUE(lies_on_surfaces(sut)) << name_of(lidar) << ": median " << sut.median << ", sigma " << sut.sigma
+                                       << " of " << sut.count;
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Worlds, PointsOfEveryWorld, testing::ValuesIn(world_names()), [](const auto& world) { return world.param; });
+INSTANTIATE_TEST_SUITE_P(Worlds, PointsOfEveryWorld, testing::ValuesIn(world_names()),
+                         [](const auto& world) { return world.param; });
 
 TEST(SurfaceCheck, FailsWhenTheExtrinsicIsOffByHalfADegree) {
   const Scene scene(checked_drive("warehouse", LidarKind::kVlp16));
   for (int axis = 0; axis < 3; ++axis) {
     Mistake mistake;
-    mistake.T_lidar_wrong = {geometry::so3_exp(Eigen::Vector3d::Unit(axis) * 0.5 * M_PI / 180.0), Eigen::Vector3d::Zero()};
+    mistake.T_lidar_wrong = {geometry::so3_exp(Eigen::Vector3d::Unit(axis) * 0.5 * M_PI / 180.0),
+                             Eigen::Vector3d::Zero()};
 
     const Spread sut = distance_to_surfaces(scene, mistake);
 
@@ -114,7 +117,8 @@ double drift_m(VehicleKind vehicle, double gravity_mps2) {
   const MotionState start = motion.at(0.0);
   inertial::NavState state;
   state.T_odom_imu = start.T_world_base * T_base_imu;
-  state.v_odom_imu = start.velocity_mps + start.T_world_base.rotation() * start.rate_base_radps.cross(T_base_imu.translation());
+  state.v_odom_imu =
+      start.velocity_mps + start.T_world_base.rotation() * start.rate_base_radps.cross(T_base_imu.translation());
   state.g_odom = {0.0, 0.0, -gravity_mps2};
   std::optional<sensor::ImuSample> last;
   double t_s = 0.0;
@@ -162,7 +166,8 @@ Plane plane_of(const std::vector<Eigen::Vector3d>& points) {
     covariance += (p - mean) * (p - mean).transpose() / static_cast<double>(points.size());
   }
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(covariance);
-  return {solver.eigenvectors().col(0), std::sqrt(std::max(0.0, solver.eigenvalues()[0])), std::sqrt(solver.eigenvalues()[1])};
+  return {solver.eigenvectors().col(0), std::sqrt(std::max(0.0, solver.eigenvalues()[0])),
+          std::sqrt(solver.eigenvalues()[1])};
 }
 
 Eigen::Vector3d mean_of(const std::vector<Eigen::Vector3d>& points) {
@@ -187,7 +192,8 @@ TEST(PlanarPatches, OfAllPassesTogetherAreThinAndOfOppositePassesInOnePlace) {
       return;
     }
     const Eigen::Vector3d p = T_world_lidar * p_lidar;
-    Patch& patch = patches[{static_cast<int>(std::floor(p.x() / 0.4)), static_cast<int>(std::floor(p.y() / 0.4)), static_cast<int>(std::floor(p.z() / 0.4))}];
+    Patch& patch = patches[{static_cast<int>(std::floor(p.x() / 0.4)), static_cast<int>(std::floor(p.y() / 0.4)),
+                            static_cast<int>(std::floor(p.z() / 0.4))}];
     const double ahead_x = T_world_lidar.rotation()(0, 0);
     if (std::abs(ahead_x) > 0.9) {
       (ahead_x > 0.0 ? patch.eastward : patch.westward).push_back(p);

@@ -53,7 +53,9 @@ inline Spread spread_of(std::vector<double> values) {
     return {};
   }
   std::sort(values.begin(), values.end());
-  const auto at = [&](double share) { return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1))]; };
+  const auto at = [&](double share) {
+    return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1))];
+  };
   return {at(0.5), 0.5 * (at(0.8413) - at(0.1587)), values.size()};
 }
 

@@ -125,7 +125,8 @@ TEST_F(FaultInjection, OfLostPacketsIsNoticedAsMissingBlocks) {
   const PacketFaults& data = counts.of(Wire::kVelodyneData);
   EXPECT_NEAR(static_cast<double>(data.blackout), 0.5 / 1.327104e-3, 2.0);
   EXPECT_NEAR(static_cast<double>(data.dropped) / static_cast<double>(data.read), 0.02, 0.005);
-  EXPECT_NEAR(report_of(out).at("blocks").at("missing").get<double>(), static_cast<double>(data.blackout + data.dropped), 3.0);
+  EXPECT_NEAR(report_of(out).at("blocks").at("missing").get<double>(),
+              static_cast<double>(data.blackout + data.dropped), 3.0);
 }
 
 TEST_F(FaultInjection, WithoutFaultsCopiesEveryByte) {
@@ -176,7 +177,8 @@ TEST_F(FaultInjection, LeavesNothingInABlockedSector) {
       }
       for (const sensor::Point& point : block.points) {
         const double azimuth_deg = std::atan2(point.y_m, point.x_m) * 180.0 / M_PI;
-        const double from_middle = std::abs(lidar == LidarKind::kVlp16 ? std::remainder(azimuth_deg - 180.0, 360.0) : azimuth_deg);
+        const double from_middle =
+            std::abs(lidar == LidarKind::kVlp16 ? std::remainder(azimuth_deg - 180.0, 360.0) : azimuth_deg);
         inside += from_middle < (lidar == LidarKind::kVlp16 ? 29.5 : 10.0) ? 1 : 0;
       }
     }

@@ -26,10 +26,11 @@ TEST(AviaPattern, LooksWhereTheGoldenDirectionsDo) {
     int i;
     Eigen::Vector3d d;
   };
-  const Golden golden[] = {{0, {0.815022, 0.577078, -0.052161}},    {1, {0.816278, 0.576782, -0.031829}},     {2, {0.816961, 0.576611, -0.009703}},
-                           {3, {0.816935, 0.576596, 0.012437}},     {4, {0.816197, 0.576739, 0.034563}},      {5, {0.814892, 0.577007, 0.054894}},
-                           {240, {0.882756, 0.465234, 0.065562}},   {245, {0.871887, 0.461610, 0.163493}},    {23994, {0.898599, 0.438594, 0.012474}},
-                           {23999, {0.893422, 0.435840, 0.108817}}};
+  const Golden golden[] = {{0, {0.815022, 0.577078, -0.052161}},    {1, {0.816278, 0.576782, -0.031829}},
+                           {2, {0.816961, 0.576611, -0.009703}},    {3, {0.816935, 0.576596, 0.012437}},
+                           {4, {0.816197, 0.576739, 0.034563}},     {5, {0.814892, 0.577007, 0.054894}},
+                           {240, {0.882756, 0.465234, 0.065562}},   {245, {0.871887, 0.461610, 0.163493}},
+                           {23994, {0.898599, 0.438594, 0.012474}}, {23999, {0.893422, 0.435840, 0.108817}}};
 
   for (const Golden& g : golden) {
     const double angle_deg = std::acos(std::min(1.0, shot(sut, g.i).dot(g.d.normalized()))) / kDegree;
@@ -70,7 +71,8 @@ TEST(AviaPattern, FillsTheViewAsFastAsTheRealOne) {
   const auto fill_until = [&](int from, int to) {
     for (int i = from; i < to; ++i) {
       const Eigen::Vector3d d = shot(sut, i);
-      const std::pair cell{static_cast<int>(std::floor(azimuth_deg(d) / kCell_deg)), static_cast<int>(std::floor(elevation_deg(d) / kCell_deg))};
+      const std::pair cell{static_cast<int>(std::floor(azimuth_deg(d) / kCell_deg)),
+                           static_cast<int>(std::floor(elevation_deg(d) / kCell_deg))};
       if (inside((cell.first + 0.5) * kCell_deg, (cell.second + 0.5) * kCell_deg)) {
         seen.insert(cell);
       }

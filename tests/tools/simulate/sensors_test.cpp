@@ -56,8 +56,9 @@ TEST(SpinningLidar, SendsAtTheRatesOfItsManual) {
     std::uint8_t product;
   };
   // Source: velodyne description, sections 1 and 2.
-  for (const Expected& e : {Expected{LidarKind::kVlp16, false, 1327.104, 0x22}, Expected{LidarKind::kVlp16, true, 663.552, 0x22},
-                            Expected{LidarKind::kVlp32c, false, 663.552, 0x28}, Expected{LidarKind::kHdl32e, false, 552.96, 0x21}}) {
+  for (const Expected& e :
+       {Expected{LidarKind::kVlp16, false, 1327.104, 0x22}, Expected{LidarKind::kVlp16, true, 663.552, 0x22},
+        Expected{LidarKind::kVlp32c, false, 663.552, 0x28}, Expected{LidarKind::kHdl32e, false, 552.96, 0x21}}) {
     Drive drive = drive_with(e.lidar);
     drive.dual = e.dual;
     const Scene scene(drive);
@@ -74,7 +75,8 @@ TEST(SpinningLidar, SendsAtTheRatesOfItsManual) {
         EXPECT_NEAR(now_us - last_us, e.packet_us, 1.01);
       }
       last_us = now_us;
-      const int step_cdeg = (load_le<std::uint16_t>(packet.payload, 202) - load_le<std::uint16_t>(packet.payload, 2) + 36000) % 36000;
+      const int step_cdeg =
+          (load_le<std::uint16_t>(packet.payload, 202) - load_le<std::uint16_t>(packet.payload, 2) + 36000) % 36000;
       const double blocks = e.dual ? 6.0 : 12.0;
       EXPECT_NEAR(step_cdeg, 36000.0 * 10e-6 * e.packet_us / blocks * (e.dual ? 1.0 : 2.0), 2.0);
     }
@@ -133,8 +135,9 @@ TEST(Avia, IsReadByTheDecoderInEachReturnModeWithItsTags) {
     double packet_us;
   };
   // Source: livox-sdk1 description, sections 5.3 and 5.4.
-  for (const Expected& e : {Expected{LivoxReturns::kFirst, 2, 1362, 400.0}, Expected{LivoxReturns::kStrongest, 2, 1362, 400.0},
-                            Expected{LivoxReturns::kDual, 4, 1362, 200.0}, Expected{LivoxReturns::kTriple, 7, 1278, 125.0}}) {
+  for (const Expected& e :
+       {Expected{LivoxReturns::kFirst, 2, 1362, 400.0}, Expected{LivoxReturns::kStrongest, 2, 1362, 400.0},
+        Expected{LivoxReturns::kDual, 4, 1362, 200.0}, Expected{LivoxReturns::kTriple, 7, 1278, 125.0}}) {
     Drive drive = drive_with(LidarKind::kLivoxAvia);
     drive.returns = e.returns;
     drive.mixed_pixels = true;
@@ -187,7 +190,8 @@ TEST(Crc32, MatchesTheGoldenPackets) {
   EXPECT_EQ(crc32_of(std::as_bytes(std::span(check, std::strlen(check)))), 0xCBF43926U);
   // The inertial packet of the livox-sdk2 description.
   const std::string hex =
-      "003C00000001000700000001000000000000000000000000334BFFC21565EE71B048EA180AD7233C0AD7A3BC8FC2F53C00000000000000000000803F";
+      "003C00000001000700000001000000000000000000000000334BFFC21565EE71B048EA180AD7233C0AD7A3BC8FC2F53C0000000000000000"
+      "0000803F";
   std::vector<std::byte> bytes;
   for (std::size_t i = 0; i < hex.size(); i += 2) {
     bytes.push_back(static_cast<std::byte>(std::stoi(hex.substr(i, 2), nullptr, 16)));
@@ -296,7 +300,8 @@ TEST(WheelSensor, CountsTheWayAndSlipsInTurns) {
     turned += std::abs(reading.w_radps) / 50.0;
     truly_turned += std::abs(motion.at(t_s).rate_base_radps.z()) / 50.0;
   }
-  EXPECT_NEAR(0.5 * static_cast<double>(reading.left_ticks + reading.right_ticks) / errors.ticks_per_m, way_m, 0.01 * way_m);
+  EXPECT_NEAR(0.5 * static_cast<double>(reading.left_ticks + reading.right_ticks) / errors.ticks_per_m, way_m,
+              0.01 * way_m);
   EXPECT_NEAR(turned / truly_turned, 1.0 + errors.slip_in_turns, 0.01);
 }
 
@@ -335,7 +340,9 @@ TEST(Geodetic, MatchesTheEllipsoidsRadiiOfCurvature) {
   const Geodetic east = geodetic_of({100.0, 0.0, 0.0});
 
   EXPECT_NEAR((north.latitude_deg - kOriginLatitude_deg) * kDegree * (meridian_m + kOriginAltitude_m), 100.0, 1e-3);
-  EXPECT_NEAR((east.longitude_deg - kOriginLongitude_deg) * kDegree * (normal_m + kOriginAltitude_m) * std::cos(latitude), 100.0, 1e-3);
+  EXPECT_NEAR(
+      (east.longitude_deg - kOriginLongitude_deg) * kDegree * (normal_m + kOriginAltitude_m) * std::cos(latitude),
+      100.0, 1e-3);
   EXPECT_NEAR(geodetic_of({0.0, 0.0, 7.0}).altitude_m, kOriginAltitude_m + 7.0, 1e-6);
 }
 

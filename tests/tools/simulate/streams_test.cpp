@@ -14,7 +14,8 @@ namespace {
 class PacketStreams : public TemporaryFolder {};
 
 TEST_F(PacketStreams, HaveTheSameBytesForAnyNumberOfThreads) {
-  for (const LidarKind lidar : {LidarKind::kVlp16, LidarKind::kHdl32e, LidarKind::kLivoxAvia, LidarKind::kLivoxMid360}) {
+  for (const LidarKind lidar :
+       {LidarKind::kVlp16, LidarKind::kHdl32e, LidarKind::kLivoxAvia, LidarKind::kLivoxMid360}) {
     Drive drive;
     drive.lidar = lidar;
     drive.duration_s = 6.0;
@@ -77,7 +78,8 @@ TEST_F(PacketStreams, GiveReplayWhatARecordingGives) {
     ASSERT_EQ(from_stream.scans.size(), from_file.scans.size());
     for (std::size_t i = 0; i < from_file.scans.size(); ++i) {
       EXPECT_EQ(from_stream.scans[i].odometry.stamp, from_file.scans[i].odometry.stamp);
-      EXPECT_EQ(from_stream.scans[i].odometry.T_odom_base.translation(), from_file.scans[i].odometry.T_odom_base.translation());
+      EXPECT_EQ(from_stream.scans[i].odometry.T_odom_base.translation(),
+                from_file.scans[i].odometry.T_odom_base.translation());
     }
     EXPECT_EQ(from_stream.packets, from_file.packets);
     EXPECT_EQ(from_stream.imu, from_file.imu);
@@ -91,12 +93,19 @@ TEST_F(PacketStreams, ComeWithEveryFileThatARecordingHas) {
 
   simulate(drive, folder_, nullptr);
 
-  for (const char* name : {"lidar.pcap", "imu.csv", "odom.csv", "gnss.csv", "truth.tum", "loops.csv", "true_map.ply", "recording.toml", "simulation.json"}) {
+  for (const char* name : {"lidar.pcap", "imu.csv", "odom.csv", "gnss.csv", "truth.tum", "loops.csv", "true_map.ply",
+                           "recording.toml", "simulation.json"}) {
     EXPECT_GT(std::filesystem::file_size(folder_ / name), 0U) << name;
   }
-  EXPECT_EQ(text_of(folder_ / "odom.csv").rfind("timestamp_ns,left_m_s,right_m_s,left_ticks,right_ticks,v_m_s,w_rad_s\n", 0), 0U);
-  EXPECT_EQ(text_of(folder_ / "gnss.csv").rfind("timestamp_ns,quality,lat_deg,lon_deg,alt_m,sats,hdop,speed_m_s,course_deg\n", 0), 0U);
-  EXPECT_EQ(text_of(folder_ / "imu.csv").rfind("timestamp_ns,gx_rad_s,gy_rad_s,gz_rad_s,ax_m_s2,ay_m_s2,az_m_s2,temp_c\n", 0), 0U);
+  EXPECT_EQ(
+      text_of(folder_ / "odom.csv").rfind("timestamp_ns,left_m_s,right_m_s,left_ticks,right_ticks,v_m_s,w_rad_s\n", 0),
+      0U);
+  EXPECT_EQ(text_of(folder_ / "gnss.csv")
+                .rfind("timestamp_ns,quality,lat_deg,lon_deg,alt_m,sats,hdop,speed_m_s,course_deg\n", 0),
+            0U);
+  EXPECT_EQ(
+      text_of(folder_ / "imu.csv").rfind("timestamp_ns,gx_rad_s,gy_rad_s,gz_rad_s,ax_m_s2,ay_m_s2,az_m_s2,temp_c\n", 0),
+      0U);
 }
 
 TEST_F(PacketStreams, HaveATrueMapOnTheWorldsSurfaces) {

@@ -10,7 +10,8 @@ namespace {
 
 constexpr double kDegree = M_PI / 180.0;
 
-Motion ridden(VehicleKind vehicle, double vibration_mps2 = 0.0, double bumps = 0.0, const std::string& world = "warehouse") {
+Motion ridden(VehicleKind vehicle, double vibration_mps2 = 0.0, double bumps = 0.0,
+              const std::string& world = "warehouse") {
   Ride ride;
   ride.vehicle = vehicle;
   ride.duration_s = 240.0;
@@ -74,8 +75,10 @@ TEST(EveryVehicle, HasDerivativesThatAgreeWithItsPoses) {
       const MotionState state = sut.at(t);
 
       const Eigen::Vector3d velocity = (after.translation() - before.translation()) / (2.0 * kStep_s);
-      const Eigen::Vector3d acceleration = (after.translation() - 2.0 * now.translation() + before.translation()) / (kStep_s * kStep_s);
-      const Eigen::Vector3d rate = geometry::so3_log(before.rotation().transpose() * after.rotation()) / (2.0 * kStep_s);
+      const Eigen::Vector3d acceleration =
+          (after.translation() - 2.0 * now.translation() + before.translation()) / (kStep_s * kStep_s);
+      const Eigen::Vector3d rate =
+          geometry::so3_log(before.rotation().transpose() * after.rotation()) / (2.0 * kStep_s);
 
       EXPECT_LT((velocity - state.velocity_mps).norm(), 1e-5);
       EXPECT_LT((acceleration - state.acceleration_mps2).norm(), 1e-3);

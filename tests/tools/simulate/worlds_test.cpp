@@ -80,7 +80,8 @@ TEST_P(EveryWorld, IsTheSameForTheSameSeedAndAnotherForAnother) {
 
     ASSERT_EQ(same->world().cast(rays.origin, rays.direction, kFar_m, ray, b), met);
     ASSERT_EQ(a.range_m, b.range_m);
-    as_other += other->world().cast(rays.origin, rays.direction, kFar_m, ray, c) == met && a.range_m == c.range_m ? 1 : 0;
+    as_other +=
+        other->world().cast(rays.origin, rays.direction, kFar_m, ray, c) == met && a.range_m == c.range_m ? 1 : 0;
   }
   EXPECT_LT(as_other, 380);
 }
@@ -100,7 +101,8 @@ TEST_P(EveryWorld, LeadsItsToursOverTheGroundAndClearOfEverything) {
       for (int i = 0; i < 12; ++i) {
         Hit hit;
         const double azimuth = i * M_PI / 6.0;
-        EXPECT_FALSE(sut->world().cast(p, {std::cos(azimuth), std::sin(azimuth), 0.0}, 0.45, 0, hit)) << "at " << t << " s";
+        EXPECT_FALSE(sut->world().cast(p, {std::cos(azimuth), std::sin(azimuth), 0.0}, 0.45, 0, hit))
+            << "at " << t << " s";
       }
     }
   }
@@ -112,13 +114,15 @@ TEST_P(EveryWorld, IsRevisitedInBothDirections) {
   const std::vector<TrueLoop> loops = true_loops(sut->tour(1500.0, 1.6, 3.0, 0.45));
 
   const auto count = [&](double low, double high) {
-    return std::count_if(loops.begin(), loops.end(), [&](const TrueLoop& l) { return std::abs(l.yaw_rad) >= low && std::abs(l.yaw_rad) <= high; });
+    return std::count_if(loops.begin(), loops.end(),
+                         [&](const TrueLoop& l) { return std::abs(l.yaw_rad) >= low && std::abs(l.yaw_rad) <= high; });
   };
   EXPECT_GT(count(0.0, 0.3), 10);
   EXPECT_GT(count(2.84, 3.15), 10);
 }
 
-INSTANTIATE_TEST_SUITE_P(Worlds, EveryWorld, testing::ValuesIn(world_names()), [](const auto& world) { return world.param; });
+INSTANTIATE_TEST_SUITE_P(Worlds, EveryWorld, testing::ValuesIn(world_names()),
+                         [](const auto& world) { return world.param; });
 
 TEST(Campus, HasSlopesOfUpToEightPercent) {
   double steepest = 0.0;
@@ -169,7 +173,8 @@ class Mesh : public TemporaryFolder {
     const std::filesystem::path file = folder_ / "room.ply";
     std::ofstream stream(file, std::ios::binary);
     stream << "ply\nformat " << (binary ? "binary_little_endian" : "ascii")
-           << " 1.0\nelement vertex 8\nproperty float x\nproperty float y\nproperty float z\nelement face 6\nproperty list uchar int vertex_indices\nend_header\n";
+           << " 1.0\nelement vertex 8\nproperty float x\nproperty float y\nproperty float z\nelement face 6\nproperty "
+              "list uchar int vertex_indices\nend_header\n";
     const int faces[6][4] = {{0, 1, 2, 3}, {4, 5, 6, 7}, {0, 1, 5, 4}, {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 0, 4, 7}};
     for (int i = 0; i < 8; ++i) {
       const float p[3] = {(i + 1) % 4 < 2 ? -4.0F : 4.0F, i % 4 < 2 ? -3.0F : 3.0F, i < 4 ? 0.0F : 3.0F};
@@ -208,9 +213,11 @@ TEST_F(Mesh, IsAWorldWithItsFacesWhereTheyAre) {
 }
 
 TEST_F(Mesh, IsRefusedInOneLineWhenItHasNoFacesOrBadOnes) {
-  std::ofstream(folder_ / "no_faces.ply") << "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\nend_header\n0 0 0\n";
-  std::ofstream(folder_ / "bad.ply") << "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n"
-                                        "element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n3 0 0 7\n";
+  std::ofstream(folder_ / "no_faces.ply") << "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty "
+                                             "float y\nproperty float z\nend_header\n0 0 0\n";
+  std::ofstream(folder_ / "bad.ply")
+      << "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n"
+         "element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n3 0 0 7\n";
   std::ofstream(folder_ / "text.ply") << "hello\n";
 
   for (const char* name : {"no_faces.ply", "bad.ply", "text.ply", "absent.ply"}) {
