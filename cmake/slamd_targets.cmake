@@ -87,7 +87,7 @@ endfunction()
 
 # slamd_test(FOLDER SOURCES s... [DEPS d...] [LABELS l...]): the tests of one folder, as one program.
 # It sees only what the folder's own DEPS list, the folder itself and gtest. Labels: "threads" marks what the
-# ThreadSanitizer run repeats.
+# ThreadSanitizer run repeats; the target "threaded_tests" builds just those.
 function(slamd_test folder)
   cmake_parse_arguments(arg "" "" "SOURCES;DEPS;LABELS" ${ARGN})
   if(arg_UNPARSED_ARGUMENTS)
@@ -106,6 +106,12 @@ function(slamd_test folder)
   _slamd_link(${name} PRIVATE "gtest_main;${arg_DEPS}")
   add_test(NAME ${folder} COMMAND ${name})
   set_tests_properties(${folder} PROPERTIES LABELS "${arg_LABELS}")
+  if("threads" IN_LIST arg_LABELS)
+    if(NOT TARGET threaded_tests)
+      add_custom_target(threaded_tests)
+    endif()
+    add_dependencies(threaded_tests ${name})
+  endif()
 endfunction()
 
 # slamd_fuzzer(NAME SOURCES s... [DEPS d...]): a libFuzzer program in <build>/fuzz, built by the target "fuzzers".

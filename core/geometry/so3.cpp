@@ -74,7 +74,12 @@ Eigen::Matrix3d rotation_from_rpy(const Eigen::Vector3d& rpy_rad) {
 }
 
 Eigen::Vector3d rpy_from_rotation(const Eigen::Matrix3d& R) {
-  const double pitch = std::asin(std::clamp(-R(2, 0), -1.0, 1.0));
+  const double cosine = std::hypot(R(0, 0), R(1, 0));
+  const double pitch = std::atan2(-R(2, 0), cosine);
+  if (cosine < 1e-9) {
+    // Looking straight up or down roll and yaw turn about the same axis: all of it is called yaw.
+    return {0.0, pitch, std::atan2(-R(0, 1), R(1, 1))};
+  }
   return {std::atan2(R(2, 1), R(2, 2)), pitch, std::atan2(R(1, 0), R(0, 0))};
 }
 

@@ -19,6 +19,13 @@ void add_noise(Covariance& P, int block, double variance) {
   P.diagonal().segment<3>(block).array() += variance;
 }
 
+/// Density of the turn's noise: white, and the sensor's scale and misalignment while it turns.  Units: rad²/s.
+double turn_variance_density(const Eigen::Vector3d& rate_radps, const ImuNoise& noise) {
+  const double scale = noise.gyro_scale_error;
+  return noise.gyro_noise_radps_sqrthz * noise.gyro_noise_radps_sqrthz +
+         scale * scale * rate_radps.squaredNorm() * kTurnErrorTime_s;
+}
+
 /// Calls visit(mean sample, dt_s) for each piece of [from, to] that lies between two neighbouring samples.
 template <typename Visit>
 void for_each_interval(std::span<const ImuSample> samples, Stamp from, Stamp to, Visit&& visit) {
@@ -87,7 +94,7 @@ void propagate_interval(
   Covariance FP;
   FP.noalias() = F * P;
   P.noalias() = FP * F.transpose();
-  add_noise(P, kRotation, noise.gyro_noise_radps_sqrthz * noise.gyro_noise_radps_sqrthz * dt_s);
+  add_noise(P, kRotation, turn_variance_density(mean.angular_rate_radps - state.gyro_bias, noise) * dt_s);
   add_noise(P, kVelocity, noise.accel_noise_mps2_sqrthz * noise.accel_noise_mps2_sqrthz * dt_s);
   add_noise(P, kGyroBias, noise.gyro_bias_walk_radps2_sqrthz * noise.gyro_bias_walk_radps2_sqrthz * dt_s);
   add_noise(P, kAccelBias, noise.accel_bias_walk_mps3_sqrthz * noise.accel_bias_walk_mps3_sqrthz * dt_s);

@@ -13,7 +13,12 @@ struct ImuNoise {
   double accel_noise_mps2_sqrthz = 1.0e-2;
   double gyro_bias_walk_radps2_sqrthz = 1.0e-5;
   double accel_bias_walk_mps3_sqrthz = 3.0e-4;
+  /// Scale error and misalignment against the LiDAR, as a share of the turn rate: what a turn leaves behind, whatever
+  /// the white noise. Taken as noise that keeps its sign for kTurnErrorTime_s.
+  double gyro_scale_error = 5.0e-3;
 };
+
+inline constexpr double kTurnErrorTime_s = 2.0;
 
 /// Noise of the constant-velocity model that stands in where there is no inertial sensor.
 struct ConstantVelocityNoise {

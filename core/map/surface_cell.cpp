@@ -1,5 +1,7 @@
 #include "core/map/surface_cell.hpp"
 
+#include <cmath>
+
 #include <Eigen/Eigenvalues>
 
 namespace slamd::map {
@@ -44,6 +46,7 @@ void SurfaceCell::fit() {
   } else if (lambda[1] > 4.0F * std::max(lambda[0], floor)) {
     surface = Surface::kPlane;
     axis_odom = solver.eigenvectors().col(0);
+    thickness_m = std::sqrt(std::max(0.0F, lambda[0]));
   } else {
     surface = Surface::kUnknown;
   }

@@ -21,6 +21,7 @@ struct SurfaceCell {
   Surface surface = Surface::kUnknown;
   std::uint32_t count = 0;
   std::uint32_t fitted_count = 0;                       // points in the last fit
+  float thickness_m = 0.0F;                             // of a plane: one standard deviation across it
   Eigen::Vector3f mean_odom = Eigen::Vector3f::Zero();
   Eigen::Vector3f axis_odom = Eigen::Vector3f::UnitZ();  // the plane's normal, or the line's direction
   Eigen::Vector3f sum = Eigen::Vector3f::Zero();         // of p − anchor

@@ -14,8 +14,8 @@ struct UpdateConfig {
   registration::AssociationConfig association;
   int max_iterations = 6;
   int associations = 3;           // look-ups of the neighbours; in between the planes stay
-  double kernel_m = 0.1;          // Cauchy
-  double information_share = 0.2;  // neighbouring points share their errors: this part of them counts
+  double kernel_m = 0.05;         // Cauchy
+  double information_share = 0.6;  // neighbouring points share their errors: this part of them counts
   double converged_m = 0.0005;
   double converged_rad = 0.0001;
   std::size_t min_constraints = 60;

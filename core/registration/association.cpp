@@ -43,6 +43,9 @@ PrincipalAxes principal_axes(const Neighbours& neighbours) {
 /// Neighbours this close to a line span no plane. Units: m².
 constexpr float kMinPlaneLambda = 0.03F * 0.03F;
 
+/// The surface cells that stand in where the neighbours span no plane: the larger ones.
+constexpr std::size_t kSparseLevel = 1;
+
 bool spans_plane(const Neighbours& neighbours, const PrincipalAxes& axes, const AssociationConfig& config) {
   if (axes.lambda[1] < kMinPlaneLambda || axes.lambda[1] < 4.0F * axes.lambda[0]) {
     return false;
@@ -86,12 +89,17 @@ void associate(const scan::DeskewedScan& scan,
   for (const FeaturePoint& feature : scan.planar) {
     const Eigen::Vector3f p_odom = R * feature.p_imu + t;
     const Neighbours neighbours = map.nearest(p_odom, config.search_radius_m);
-    if (neighbours.count < Neighbours::kMax) {
-      continue;
+    if (neighbours.count == Neighbours::kMax) {
+      const PrincipalAxes axes = principal_axes(neighbours);
+      if (spans_plane(neighbours, axes, config)) {
+        add_if_near(feature, p_odom, axes.vectors.col(0), axes.mean, config.planar_std_m, config, out);
+        continue;
+      }
     }
-    const PrincipalAxes axes = principal_axes(neighbours);
-    if (spans_plane(neighbours, axes, config)) {
-      add_if_near(feature, p_odom, axes.vectors.col(0), axes.mean, config.planar_std_m, config, out);
+    // Rings on the ground lie too far apart for five neighbours to span a plane; a larger cell sees several.
+    const map::SurfaceCell* cell = map.surface(p_odom, kSparseLevel);
+    if (cell != nullptr && cell->surface == map::Surface::kPlane && cell->thickness_m < config.sparse_thickness_m) {
+      add_if_near(feature, p_odom, cell->axis_odom, cell->mean_odom, config.sparse_std_m, config, out);
     }
   }
   for (const FeaturePoint& feature : scan.edge) {

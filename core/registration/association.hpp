@@ -17,6 +17,8 @@ struct AssociationConfig {
   float line_ratio = 3.0F;           // λ₂ > ratio · λ₁ (LOAM)
   float gate_slope = 0.11F;          // |r| < gate_slope · √range (FAST-LIO: 1 − 0.9|r|/√range > 0.9)
   float planar_std_m = 0.05F;        // measurement noise of one point against its plane
+  float sparse_std_m = 0.10F;        // the same against a large cell's plane, where neighbours span none
+  float sparse_thickness_m = 0.05F;  // a large cell that is thicker is no plane
   float edge_std_m = 0.15F;
   float angular_std_rad = 0.0005F;   // beam direction: grows with range
 };

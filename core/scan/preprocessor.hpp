@@ -23,7 +23,7 @@ struct PreprocessConfig {
   std::size_t max_edge = 512;
   std::size_t max_map_points = 12'000;
   std::size_t few_features = 100;        // fewer planar ones: uniform raw points instead
-  float feature_spacing_outdoor_m = 0.5F;
+  float feature_spacing_outdoor_m = 0.3F;
   float feature_spacing_indoor_m = 0.25F;
   float map_spacing_outdoor_m = 0.25F;
   float map_spacing_indoor_m = 0.125F;

@@ -12,6 +12,7 @@ namespace slamd::sensor {
 struct Sequence {
   std::uint16_t first_point = 0;   // index into PointBlock::points; its points end where the next one's begin
   std::uint16_t azimuth_cdeg = 0;  // 0..35999, hundredths of a degree as on the wire, clockwise from +x of lidar
+  std::uint32_t offset_ns = 0;     // of its first firing, from the block's stamp
 };
 
 /// The returns of one packet, in firing order; firings without a return have no point.

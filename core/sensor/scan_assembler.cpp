@@ -122,12 +122,15 @@ bool ScanAssembler::malformed(const PointBlock& block) const {
     return true;
   }
   std::size_t first_point = 0;
+  std::int64_t earlier_ns = -1;
   for (const Sequence& sequence : block.sequences) {
     if (sequence.azimuth_cdeg >= kRevolution_cdeg || sequence.first_point < first_point ||
-        sequence.first_point > block.points.size()) {
+        sequence.first_point > block.points.size() || sequence.offset_ns <= earlier_ns ||
+        Duration{sequence.offset_ns} >= block.duration) {
       return true;
     }
     first_point = sequence.first_point;
+    earlier_ns = sequence.offset_ns;
   }
   return false;
 }
@@ -165,7 +168,7 @@ void ScanAssembler::add_sequences(const PointBlock& block, bool after_gap) {
   for (std::int64_t i = 0; i < count; ++i) {
     const auto s = static_cast<std::size_t>(i);
     const Sequence& sequence = block.sequences[s];
-    const Stamp time = block.stamp + i * block.duration / count;
+    const Stamp time = block.stamp + Duration{sequence.offset_ns};
     const std::int32_t position = position_of(sequence.azimuth_cdeg, time);
     travel_cdeg += i > 0 ? position - position_cdeg_ : 0;
     position_cdeg_ = position;
@@ -184,7 +187,8 @@ void ScanAssembler::add_sequences(const PointBlock& block, bool after_gap) {
            i + 1 < count ? block.sequences[s + 1].first_point : block.points.size());
   }
   if (count > 1) {
-    const double span_ns = static_cast<double>((block.duration * (count - 1) / count).count());
+    const auto& sequences = block.sequences;
+    const double span_ns = sequences[sequences.size() - 1].offset_ns - sequences[0].offset_ns;
     rate_cdeg_per_ns_ = std::max(0.0, static_cast<double>(travel_cdeg) / span_ns);
   }
 }

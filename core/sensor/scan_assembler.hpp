@@ -95,8 +95,8 @@ class ScanAssembler {
 
   /// Adds a block; returns the scan that it completes, or nullptr. The scan is valid until the next
   /// one completes.
-  /// Shapes: the block's points in firing order; kAzimuth needs its sequences, azimuths growing,
-  /// equally spaced in time over block.duration.
+  /// Shapes: the block's points in firing order; kAzimuth needs its sequences, azimuths and offsets
+  /// growing, the offsets within block.duration.
   /// Errors: a refused block (see BlockRefusal) is counted and changes nothing else.
   const Scan* add(const PointBlock& block);
 

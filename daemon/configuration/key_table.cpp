@@ -1,6 +1,7 @@
 #include "daemon/configuration/key_table.hpp"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <cstdio>
 #include <map>
@@ -14,11 +15,21 @@ namespace {
 
 constexpr double kDegree = M_PI / 180.0;
 
+/// Rounds away what a change of units leaves in the last digits, so that what is printed reads back to itself.
+double rounded(double value) { return std::round(1e9 * value) / 1e9 + 0.0; }
+
 /// Stores into, and reads from, any of the types that configuration structs use.
 template <typename T>
 double to_number(const T& field) {
   if constexpr (std::is_same_v<T, Duration>) {
-    return 1e-6 * static_cast<double>(field.count());  // ms
+    return static_cast<double>(field.count()) / 1e6;  // ms
+  } else if constexpr (std::is_same_v<T, float>) {
+    // The shortest decimal number that names this float: 0.05, not 0.05000000074505806.
+    char text[32];
+    const auto end = std::to_chars(text, text + sizeof text, field).ptr;
+    double value = 0.0;
+    std::from_chars(text, end, value);
+    return value;
   } else {
     return static_cast<double>(field);
   }
@@ -45,7 +56,8 @@ Key number(const char* path, double min, double max, const char* help, Field fie
   key.max = max;
   key.set = [field, unit](Configuration& c, const Value& v) { from_number(field(c), std::get<double>(v) * unit); };
   key.get = [field, unit](const Configuration& c) {
-    return Value(to_number(field(const_cast<Configuration&>(c))) / unit);
+    const double value = to_number(field(const_cast<Configuration&>(c)));
+    return Value(unit == 1.0 ? value : rounded(value / unit));
   };
   return key;
 }
@@ -136,7 +148,9 @@ void add_transform(std::vector<Key>& keys,
       [edit](Configuration& c, Eigen::Vector3d v) { edit(c).rotation() = geometry::rotation_from_rpy(v * kDegree); },
       [read](const Configuration& c) {
         const auto T = read(c);
-        return T ? std::optional<Eigen::Vector3d>(geometry::rpy_from_rotation(T->rotation()) / kDegree) : std::nullopt;
+        return T ? std::optional<Eigen::Vector3d>(
+                       (geometry::rpy_from_rotation(T->rotation()) / kDegree).unaryExpr(&rounded))
+                 : std::nullopt;
       }));
 }
 
@@ -196,6 +210,7 @@ void add_sensor_keys(std::vector<Key>& keys) {
                 [](const Configuration& c) { return c.imu.T_base_imu; });
   keys.push_back(choice("imu.clock", clocks, "As lidar.clock; a CSV file is on the time base already.", SLAMD_FIELD(imu.clock)));
   keys.push_back(number("imu.gyro_noise_radps_sqrthz", 1e-6, 1.0, "Density of the gyroscope's noise.", SLAMD_FIELD(odometry.imu_noise.gyro_noise_radps_sqrthz)));
+  keys.push_back(number("imu.gyro_scale_error", 0.0, 0.1, "Scale error and misalignment of the gyroscope, as a share of the turn rate.", SLAMD_FIELD(odometry.imu_noise.gyro_scale_error)));
   keys.push_back(number("imu.accel_noise_mps2_sqrthz", 1e-5, 10.0, "Density of the accelerometer's noise, with vibration.", SLAMD_FIELD(odometry.imu_noise.accel_noise_mps2_sqrthz)));
   keys.push_back(number("imu.gyro_bias_walk_radps2_sqrthz", 1e-8, 0.1, "Walk of the gyroscope's bias.", SLAMD_FIELD(odometry.imu_noise.gyro_bias_walk_radps2_sqrthz)));
   keys.push_back(number("imu.accel_bias_walk_mps3_sqrthz", 1e-7, 1.0, "Walk of the accelerometer's bias.", SLAMD_FIELD(odometry.imu_noise.accel_bias_walk_mps3_sqrthz)));
@@ -238,15 +253,35 @@ void add_odometry_keys(std::vector<Key>& keys) {
 
 #undef SLAMD_FIELD
 
+/// The shortest decimal number that reads back to the same double.
 std::string shortest(double value) {
   char text[40];
-  for (int digits = 1; digits <= 17; ++digits) {
-    std::snprintf(text, sizeof text, "%.*g", digits, value);
-    if (std::stod(text) == value) {
-      break;
+  return {text, std::to_chars(text, text + sizeof text, value).ptr};
+}
+
+/// As TOML writes a float.
+std::string shortest_float(double value) {
+  const std::string line = shortest(value);
+  return line.find_first_of(".e") == std::string::npos ? line + ".0" : line;
+}
+
+/// As TOML writes a basic string.
+std::string quoted(const std::string& text) {
+  std::string line = "\"";
+  for (const char c : text) {
+    const auto code = static_cast<unsigned char>(c);
+    if (c == '"' || c == '\\') {
+      line += '\\';
+      line += c;
+    } else if (code < 0x20 || code == 0x7F) {
+      char escape[8];
+      std::snprintf(escape, sizeof escape, "\\u%04X", static_cast<unsigned>(code));
+      line += escape;
+    } else {
+      line += c;
     }
   }
-  return text;
+  return line + '"';
 }
 
 std::string print_value(const Key& key, const Value& value) {
@@ -254,19 +289,20 @@ std::string print_value(const Key& key, const Value& value) {
     return *flag ? "true" : "false";
   }
   if (const auto* name = std::get_if<std::string>(&value)) {
-    return '"' + *name + '"';
+    return quoted(*name);
   }
   if (const auto* numbers = std::get_if<std::vector<double>>(&value)) {
     std::string line = "[";
     for (const double v : *numbers) {
-      line += (line.size() > 1 ? ", " : "") + shortest(v) + (v == std::floor(v) && std::abs(v) < 1e15 ? ".0" : "");
+      line += (line.size() > 1 ? ", " : "") + shortest_float(v);
     }
     return line + "]";
   }
   if (const auto* boxes = std::get_if<std::vector<scan::Box>>(&value)) {
     std::string line = "[";
     const auto triple = [](const float (&v)[3]) {
-      return "[" + shortest(double{v[0]}) + ", " + shortest(double{v[1]}) + ", " + shortest(double{v[2]}) + "]";
+      return "[" + shortest_float(to_number(v[0])) + ", " + shortest_float(to_number(v[1])) + ", " +
+             shortest_float(to_number(v[2])) + "]";
     };
     for (const scan::Box& box : *boxes) {
       line += (line.size() > 1 ? ", " : "") + std::string("{ min_m = ") + triple(box.min_m) + ", max_m = " +
@@ -278,8 +314,7 @@ std::string print_value(const Key& key, const Value& value) {
   if (key.kind == Key::Kind::kInteger) {
     return std::to_string(static_cast<long long>(v));
   }
-  const std::string line = shortest(v);
-  return line.find_first_of(".en") == std::string::npos ? line + ".0" : line;
+  return shortest_float(v);
 }
 
 std::size_t edit_distance(const std::string& a, const std::string& b) {
@@ -305,7 +340,9 @@ std::string Key::allowed() const {
   switch (kind) {
     case Kind::kBoolean: return "true or false";
     case Kind::kText: return "a text in quotes";
-    case Kind::kInteger: return "a whole number from " + shortest(min) + " to " + shortest(max);
+    case Kind::kInteger:
+      return "a whole number from " + std::to_string(static_cast<long long>(min)) + " to " +
+             std::to_string(static_cast<long long>(max));
     case Kind::kNumber: return "a number from " + shortest(min) + " to " + shortest(max);
     case Kind::kVector3: return "three numbers from " + shortest(min) + " to " + shortest(max);
     case Kind::kBoxes:
@@ -349,6 +386,20 @@ std::string nearest_path(const std::string& path) {
     }
   }
   return best;
+}
+
+std::vector<std::string> names_below(const std::string& table) {
+  std::vector<std::string> names;
+  for (const Key& key : all_keys()) {
+    if (key.path.rfind(table + ".", 0) == 0) {
+      const std::string rest = key.path.substr(table.size() + 1);
+      const std::string name = rest.substr(0, rest.find('.'));
+      if (std::find(names.begin(), names.end(), name) == names.end()) {
+        names.push_back(name);
+      }
+    }
+  }
+  return names;
 }
 
 std::string print_configuration(const Configuration& configuration) {

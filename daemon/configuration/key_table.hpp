@@ -39,6 +39,9 @@ const Key* find_key(const std::string& path);
 /// Returns the known path that is spelt most alike, or an empty string when none is near.
 std::string nearest_path(const std::string& path);
 
+/// Returns the keys and tables right below a table ("lidar.T_base_lidar": xyz_m, rpy_deg); none when no key lies below.
+std::vector<std::string> names_below(const std::string& table);
+
 /// Prints the complete configuration as TOML that reads back to the same configuration.
 std::string print_configuration(const Configuration& configuration);
 

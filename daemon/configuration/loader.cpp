@@ -1,9 +1,12 @@
 #include "daemon/configuration/loader.hpp"
 
+#include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <fstream>
 #include <set>
 #include <sstream>
+#include <string_view>
 
 #include <toml++/toml.h>
 
@@ -18,14 +21,52 @@ const std::set<std::string> kLaterModels{"livox_mid360", "livox_horizon", "livox
   throw ConfigurationError(place + path + (value.empty() ? "" : " = " + value) + ": " + why);
 }
 
+/// Writes a value as its author may have: toml++ itself writes 0.1 as 0.10000000000000001.
+void write(std::ostream& stream, const toml::node& node) {
+  const char* separator = "";
+  if (const auto* number = node.as_floating_point()) {
+    char text[40];
+    stream << std::string_view(text, std::to_chars(text, text + sizeof text, number->get()).ptr);
+  } else if (const toml::array* array = node.as_array()) {
+    stream << '[';
+    for (const toml::node& element : *array) {
+      stream << separator;
+      write(stream, element);
+      separator = ", ";
+    }
+    stream << ']';
+  } else if (const toml::table* table = node.as_table()) {
+    stream << '{';
+    for (const auto& [key, value] : *table) {
+      stream << separator << key.str() << " = ";
+      write(stream, value);
+      separator = ", ";
+    }
+    stream << '}';
+  } else {
+    node.visit([&](const auto& value) { stream << value; });
+  }
+}
+
 std::string as_text(const toml::node& node) {
   std::ostringstream stream;
-  node.visit([&](const auto& value) { stream << value; });
-  std::string line = stream.str();
-  for (char& c : line) {
-    c = c == '\n' ? ' ' : c;
-  }
+  write(stream, node);
+  const std::string line = stream.str();
   return line.size() > 60 ? line.substr(0, 57) + "..." : line;
+}
+
+/// Says what is wrong with a path that is no key.
+std::string why_unknown(const std::string& path) {
+  const std::vector<std::string> below = names_below(path);
+  if (!below.empty()) {
+    std::string line = "must be a table of";
+    for (const std::string& name : below) {
+      line += (&name == &below.front() ? " " : ", ") + name;
+    }
+    return line;
+  }
+  const std::string nearest = nearest_path(path);
+  return "unknown key; " + (nearest.empty() ? "docs/configuration.md lists them" : "did you mean " + nearest + "?");
 }
 
 double checked_number(const toml::node& node, const Key& key, const std::string& place) {
@@ -132,7 +173,7 @@ void walk(const toml::table& table, const std::string& prefix, const std::string
         fail(place_of((*lidars)[1], name), path, "", "this release takes exactly one [[lidar]]");
       }
       walk(*lidars->front().as_table(), path, name, leaf);
-    } else if (const toml::table* inner = node.as_table()) {
+    } else if (const toml::table* inner = node.as_table(); inner != nullptr && (!inner->empty() || !names_below(path).empty())) {
       walk(*inner, path, name, leaf);
     } else {
       leaf(path, node);
@@ -154,9 +195,7 @@ std::map<std::string, Loader::Entry> Loader::parse(const std::string& toml_text,
   walk(table, "", name, [&](const std::string& path, const toml::node& node) {
     const Key* key = find_key(path);
     if (key == nullptr) {
-      const std::string nearest = nearest_path(path);
-      fail(place_of(node, name), path, as_text(node),
-           "unknown key" + (nearest.empty() ? std::string("; docs/configuration.md lists them") : "; did you mean " + nearest + "?"));
+      fail(place_of(node, name), path, as_text(node), why_unknown(path));
     }
     entries[path] = {checked(node, *key, place_of(node, name)), place_of(node, name)};
   });
@@ -169,7 +208,7 @@ std::map<std::string, Loader::Entry> Loader::parse(const std::string& toml_text,
 
 void Loader::add_file(const std::filesystem::path& file) {
   std::ifstream stream(file);
-  if (!stream) {
+  if (!stream || std::filesystem::is_directory(file)) {
     throw ConfigurationError(file.string() + ": cannot be read");
   }
   std::ostringstream text;
@@ -178,6 +217,7 @@ void Loader::add_file(const std::filesystem::path& file) {
 }
 
 void Loader::add_text(const std::string& toml_text, const std::string& name) {
+  names_ += (names_.empty() ? "" : ", ") + name;
   for (auto& [path, entry] : parse(toml_text, name)) {
     files_[path] = std::move(entry);
   }
@@ -192,8 +232,7 @@ void Loader::add_override(const std::string& key_value) {
   const std::string value = key_value.substr(equals + 1);
   const Key* key = find_key(path);
   if (key == nullptr) {
-    const std::string nearest = nearest_path(path);
-    throw ConfigurationError("--set " + key_value + ": unknown key" + (nearest.empty() ? "" : "; did you mean " + nearest + "?"));
+    throw ConfigurationError("--set " + key_value + ": " + why_unknown(path));
   }
   const bool quoted = key->kind == Key::Kind::kText || key->kind == Key::Kind::kChoice;
   const std::string toml_text = "value = " + (quoted && value.find('"') == std::string::npos ? '"' + value + '"' : value);
@@ -201,6 +240,9 @@ void Loader::add_override(const std::string& key_value) {
   try {
     table = toml::parse(toml_text);
   } catch (const toml::parse_error&) {
+    table.clear();
+  }
+  if (table.size() != 1) {  // no value, or several lines
     throw ConfigurationError("--set " + key_value + ": must be " + key->allowed());
   }
   overrides_[path] = {checked(*table.get("value"), *key, "--set "), "--set "};
@@ -219,7 +261,8 @@ Configuration Loader::load() const {
   };
   const auto model = merged.find("lidar.model");
   if (model == merged.end()) {
-    throw ConfigurationError("no [[lidar]] with a model; the shortest configuration is: [[lidar]] model = \"vlp16\"");
+    throw ConfigurationError((names_.empty() ? "" : names_ + ": ") + "lidar.model: missing; must be " +
+                             find_key("lidar.model")->allowed() + " (the shortest configuration: [[lidar]] model = \"vlp16\")");
   }
   find_key("lidar.model")->set(configuration, model->second.value);
   apply(parse(preset_of(configuration.lidar.model), std::string("preset ") + name_of(configuration.lidar.model)));

@@ -32,6 +32,7 @@ class Loader {
 
   static std::map<std::string, Entry> parse(const std::string& toml, const std::string& name);
 
+  std::string names_;  // of what was added, for messages
   std::map<std::string, Entry> files_;
   std::map<std::string, Entry> overrides_;
 };

@@ -62,6 +62,11 @@ bool FrontEnd::start_if_needed(const sensor::Scan& scan) {
     return true;
   }
   if (!config_.use_imu) {
+    // The first scan begins wherever the sensor happens to look: on a map of that sector the next one would settle askew.
+    if (!scan.complete && incomplete_passed_over_ < kIncompletePatience) {
+      ++incomplete_passed_over_;
+      return false;
+    }
     odometry_.start_without_imu(scan.end);
   } else if (alignment_ && alignment_->state.stamp <= scan.begin) {
     odometry_.start(*alignment_);

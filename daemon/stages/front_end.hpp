@@ -27,6 +27,9 @@ class FrontEnd {
   /// How long a scan waits for the inertial samples up to its end, in device time.
   static constexpr Duration kImuPatience = std::chrono::milliseconds(20);
 
+  /// Without an inertial sensor: incomplete scans that are passed over before one of them has to do as the first.
+  static constexpr int kIncompletePatience = 10;
+
   explicit FrontEnd(const odometry::OdometryConfig& config);
 
   /// Takes an inertial sample in; levels odom with the first ones.
@@ -51,6 +54,7 @@ class FrontEnd {
   odometry::OdometryConfig config_;
   geometry::Se3 T_imu_lidar_;
   sensor::ImuBuffer imu_;
+  int incomplete_passed_over_ = 0;
   inertial::StartUpAlignment aligner_;
   std::optional<inertial::Alignment> alignment_;
   inertial::NavState after_scan_before_last_;  // state k−2

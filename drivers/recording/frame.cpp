@@ -1,5 +1,6 @@
 #include "drivers/recording/frame.hpp"
 
+#include <algorithm>
 #include <optional>
 
 #include "core/base/bytes.hpp"
@@ -67,16 +68,18 @@ FrameKind parse_ipv4(std::span<const std::byte> ip, std::size_t length, Packet& 
   }
   const std::size_t header = 4 * (static_cast<std::size_t>(ip[0]) & 0xF);
   const std::size_t total = load_be<std::uint16_t>(ip, 2);
-  if (static_cast<int>(ip[0]) >> 4 != 4 || header < 20 || total < header || total > length) {
+  if (static_cast<int>(ip[0]) >> 4 != 4 || header < 20 || total < header) {
     return FrameKind::kBadHeader;
   }
+  // Early VLP-16 firmware states the length of its data packets for its position packets, too.
+  const std::size_t end = std::min(total, length);
   if (static_cast<std::uint8_t>(ip[9]) != kProtocolUdp) {
     return FrameKind::kNotUdp;
   }
   if ((load_be<std::uint16_t>(ip, 6) & 0x3FFF) != 0) {  // more fragments, or an offset
     return FrameKind::kFragment;
   }
-  if (total < header + 8) {
+  if (end < header + 8) {
     return FrameKind::kBadHeader;
   }
   if (ip.size() < header + 8) {
@@ -84,7 +87,7 @@ FrameKind parse_ipv4(std::span<const std::byte> ip, std::size_t length, Packet& 
   }
   const std::span<const std::byte> udp = ip.subspan(header);
   const std::size_t udp_length = load_be<std::uint16_t>(udp, 4);
-  if (udp_length < 8 || header + udp_length > total) {
+  if (udp_length < 8 || header + udp_length > end) {
     return FrameKind::kBadHeader;
   }
   if (udp.size() < udp_length) {
@@ -109,6 +112,7 @@ const char* name_of(FrameKind kind) {
     case FrameKind::kNotUdp: return "not_udp";
     case FrameKind::kBadHeader: return "bad_ip_or_udp_header";
     case FrameKind::kUnknownLink: return "unknown_link_layer";
+    case FrameKind::kBadStamp: return "bad_stamp";
   }
   return "?";
 }
@@ -127,7 +131,8 @@ FrameKind parse_frame(int link, std::span<const std::byte> frame, std::size_t le
   if (network->type != kEtherIpv4) {
     return FrameKind::kNotIp;
   }
-  return parse_ipv4(frame.subspan(network->offset), length - network->offset, packet);
+  const std::size_t on_wire = std::max(length, frame.size());
+  return parse_ipv4(frame.subspan(network->offset), on_wire - network->offset, packet);
 }
 
 }  // namespace slamd::recording

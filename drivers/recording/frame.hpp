@@ -9,7 +9,7 @@
 
 namespace slamd::recording {
 
-/// What a captured frame turned out to be.
+/// What a captured frame turned out to be. (kBadStamp is found by the reader of the capture.)
 enum class FrameKind : std::uint8_t {
   kUdp,
   kFragment,        // part of a fragmented datagram: reported, not guessed at
@@ -19,9 +19,10 @@ enum class FrameKind : std::uint8_t {
   kNotUdp,
   kBadHeader,       // lengths contradict each other
   kUnknownLink,     // a link layer that is not read
+  kBadStamp,        // a datagram, but received after the year 2261
 };
 
-inline constexpr std::size_t kFrameKinds = 8;
+inline constexpr std::size_t kFrameKinds = 9;
 
 const char* name_of(FrameKind kind);
 
@@ -37,7 +38,8 @@ inline constexpr int kLinkIpv4 = 228;
 
 /// Finds the UDP payload in a captured frame: Ethernet with any number of VLAN tags, Linux cooked (1 and 2), raw IP,
 /// null and loopback. Fills ports, address and payload of `packet` when the result is kUdp.
-/// `length` is the frame's length on the wire. Real-time: no allocation.
+/// `length` is the frame's length on the wire. An IP length beyond it is passed over when the UDP length fits.
+/// Real-time: no allocation.
 FrameKind parse_frame(int link, std::span<const std::byte> frame, std::size_t length, Packet& packet);
 
 }  // namespace slamd::recording

@@ -2,6 +2,9 @@
 
 #include <pcap/pcap.h>
 
+#include <cstdint>
+#include <optional>
+
 namespace slamd::recording {
 
 namespace {
@@ -15,6 +18,18 @@ pcap* open(const std::filesystem::path& file) {
     throw RecordingError(file, cause.rfind(prefix, 0) == 0 ? cause.substr(prefix.size()) : cause);
   }
   return handle;
+}
+
+/// With nanosecond precision asked for, tv_usec holds nanoseconds. libpcap takes the unsigned seconds of a classic
+/// capture for signed ones; pcapng has 64 bits for them. Errors: nothing beyond 9.2e9 s, the last that Stamp holds.
+std::optional<Stamp> stamp_of(const timeval& time) {
+  constexpr std::int64_t kLast_s = 9'200'000'000;
+  const std::int64_t seconds = time.tv_sec;
+  const std::int64_t since_1970_s = seconds < 0 && seconds >= INT32_MIN ? seconds + (std::int64_t{1} << 32) : seconds;
+  if (since_1970_s < 0 || since_1970_s > kLast_s) {
+    return std::nullopt;
+  }
+  return Stamp{} + std::chrono::seconds(since_1970_s) + Duration(time.tv_usec);
 }
 
 }  // namespace
@@ -34,11 +49,14 @@ bool PcapReader::next(Packet& packet) {
       return false;
     }
     const std::span<const std::byte> frame(reinterpret_cast<const std::byte*>(bytes), header->caplen);
-    const FrameKind kind = parse_frame(link_, frame, header->len, packet);
+    FrameKind kind = parse_frame(link_, frame, header->len, packet);
+    const std::optional<Stamp> received = stamp_of(header->ts);
+    if (kind == FrameKind::kUdp && !received) {
+      kind = FrameKind::kBadStamp;
+    }
     ++counters_.frames[static_cast<std::size_t>(kind)];
     if (kind == FrameKind::kUdp) {
-      // With nanosecond precision asked for, tv_usec holds nanoseconds.
-      packet.received = Stamp{} + std::chrono::seconds(header->ts.tv_sec) + Duration(header->ts.tv_usec);
+      packet.received = *received;
       return true;
     }
   }

@@ -14,6 +14,7 @@ constexpr std::size_t kEthernet = 14;
 constexpr std::size_t kIp = 20;
 constexpr std::size_t kUdp = 8;
 constexpr std::size_t kHeaders = kEthernet + kIp + kUdp;
+constexpr std::size_t kMaxPayload = 65535 - kIp - kUdp;
 
 /// Ones' complement sum of 16-bit words (RFC 1071).
 std::uint32_t sum_of(std::span<const std::byte> bytes, std::uint32_t sum) {
@@ -43,12 +44,15 @@ PcapWriter::PcapWriter(const std::filesystem::path& file) : file_(file), stream_
   store_le<std::uint32_t>(header, 0, 0xA1B23C4D);  // nanosecond stamps
   store_le<std::uint16_t>(header, 4, 2);
   store_le<std::uint16_t>(header, 6, 4);
-  store_le<std::uint32_t>(header, 16, 65535);
+  store_le<std::uint32_t>(header, 16, kHeaders + kMaxPayload);  // none is cut
   store_le<std::uint32_t>(header, 20, 1);  // Ethernet
   std::fwrite(header.data(), 1, header.size(), stream_.get());
 }
 
 void PcapWriter::write(const Packet& packet, std::uint32_t destination_address) {
+  if (packet.payload.size() > kMaxPayload) {
+    throw RecordingError(file_, "a payload of " + std::to_string(packet.payload.size()) + " bytes is no datagram's");
+  }
   std::array<std::byte, 16 + kHeaders> bytes{};
   const std::size_t length = kHeaders + packet.payload.size();
   const std::int64_t ns = packet.received.time_since_epoch().count();
@@ -82,7 +86,9 @@ void PcapWriter::write(const Packet& packet, std::uint32_t destination_address) 
   store_be(udp, 6, check == 0 ? std::uint16_t{0xFFFF} : check);
 
   std::fwrite(bytes.data(), 1, bytes.size(), stream_.get());
-  std::fwrite(packet.payload.data(), 1, packet.payload.size(), stream_.get());
+  if (!packet.payload.empty()) {  // an empty one may be a null pointer, which fwrite must not see
+    std::fwrite(packet.payload.data(), 1, packet.payload.size(), stream_.get());
+  }
 }
 
 void PcapWriter::close() {

@@ -9,7 +9,7 @@
 namespace slamd::recording {
 
 /// Writes UDP datagrams to a classic pcap file with nanosecond stamps, as Ethernet and IPv4 frames with valid
-/// checksums. Errors: RecordingError when the file cannot be written.
+/// checksums. Errors: RecordingError when the file cannot be written, or a payload is longer than any datagram's.
 class PcapWriter {
  public:
   explicit PcapWriter(const std::filesystem::path& file);

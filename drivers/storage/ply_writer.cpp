@@ -18,10 +18,12 @@ PlyWriter::PlyWriter(const std::filesystem::path& file) : file_(file), stream_(s
 
 void PlyWriter::write_header() {
   // The count has a fixed width, so that it can be written over once it is known.
-  std::fprintf(stream_.get(),
-               "ply\nformat binary_little_endian 1.0\nelement vertex %012llu\nproperty float x\nproperty float y\n"
-               "property float z\nend_header\n",
-               static_cast<unsigned long long>(points_));
+  const int written = std::fprintf(
+      stream_.get(),
+      "ply\nformat binary_little_endian 1.0\nelement vertex %012llu\nproperty float x\nproperty float y\n"
+      "property float z\nend_header\n",
+      static_cast<unsigned long long>(points_));
+  note(written > 0);
 }
 
 void PlyWriter::write(const Eigen::Vector3f& p) {
@@ -29,7 +31,7 @@ void PlyWriter::write(const Eigen::Vector3f& p) {
   store_le(bytes, 0, p.x());
   store_le(bytes, 4, p.y());
   store_le(bytes, 8, p.z());
-  std::fwrite(bytes.data(), 1, bytes.size(), stream_.get());
+  note(std::fwrite(bytes.data(), 1, bytes.size(), stream_.get()) == bytes.size());
   ++points_;
 }
 
@@ -37,11 +39,17 @@ void PlyWriter::close() {
   if (!stream_) {
     return;
   }
-  std::rewind(stream_.get());
+  note(std::fseek(stream_.get(), 0, SEEK_SET) == 0);
   write_header();
-  const bool failed = std::ferror(stream_.get()) != 0;
-  if (std::fclose(stream_.release()) != 0 || failed) {
-    throw std::runtime_error(file_.string() + ": could not be written whole: " + std::strerror(errno));
+  note(std::fclose(stream_.release()) == 0);
+  if (error_ != 0) {
+    throw std::runtime_error(file_.string() + ": could not be written whole: " + std::strerror(error_));
+  }
+}
+
+void PlyWriter::note(bool good) {
+  if (!good && error_ == 0) {
+    error_ = errno;
   }
 }
 

@@ -18,17 +18,19 @@ class PlyWriter {
   /// Appends a point.  Units: m.
   void write(const Eigen::Vector3f& p);
 
-  /// Fills in the count and reports what the disk thinks of it.
+  /// Fills in the count. Errors: the first thing that went wrong since the file was opened.
   void close();
 
   std::uint64_t points() const { return points_; }
 
  private:
   void write_header();
+  void note(bool good);
 
   std::filesystem::path file_;
   std::unique_ptr<std::FILE, int (*)(std::FILE*)> stream_;
   std::uint64_t points_ = 0;
+  int error_ = 0;  // errno of the first failure
 };
 
 }  // namespace slamd::storage

@@ -1,5 +1,6 @@
 #include "drivers/velodyne/decoder.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "core/base/bytes.hpp"
@@ -26,6 +27,14 @@ constexpr std::uint8_t kDual = 0x39;
 
 /// At 20 Hz the head turns 0.8° between blocks of a VLP-16; more than this is a hole in the data, not a turn.
 constexpr double kMaxGap_cdeg = 150.0;
+
+/// How far the head turns from one azimuth to the next.
+double turn_cdeg(std::uint16_t from_cdeg, std::uint16_t to_cdeg) {
+  return std::fmod(to_cdeg - from_cdeg + kTurn_cdeg, kTurn_cdeg);
+}
+
+/// Far enough forward to be a sector left out; backward by a little is a tremble.
+bool is_sector(double turn) { return turn > kMaxGap_cdeg && turn < kTurn_cdeg - kMaxGap_cdeg; }
 
 }  // namespace
 
@@ -116,9 +125,7 @@ void Decoder::read_azimuths(std::span<const std::byte> payload,
   for (std::size_t i = 0; i < count; ++i) {
     turning.azimuth_cdeg[i] = load_le<std::uint16_t>(payload, i * stride * kBlockBytes + 2);
   }
-  const auto gap_after = [&](std::size_t i) {
-    return std::fmod(turning.azimuth_cdeg[i + 1] - turning.azimuth_cdeg[i] + kTurn_cdeg, kTurn_cdeg);
-  };
+  const auto gap_after = [&](std::size_t i) { return turn_cdeg(turning.azimuth_cdeg[i], turning.azimuth_cdeg[i + 1]); };
   for (std::size_t i = 0; i + 1 < count; ++i) {
     if (gap_after(i) <= kMaxGap_cdeg) {
       gap = gap_after(i);
@@ -131,6 +138,36 @@ void Decoder::read_azimuths(std::span<const std::byte> payload,
     }
     turning.gap_cdeg[i] = gap;
   }
+  count_cycles(table.sequence_us * table.sequences_per_block(), count, turning);
+}
+
+void Decoder::count_cycles(double cycle_us, std::size_t count, Turning& turning) {
+  std::size_t sectors = 0;
+  std::size_t sector_after = 0;
+  double turned_cdeg = 0.0;
+  std::size_t steps = 0;
+  for (std::size_t i = 0; i + 1 < count; ++i) {
+    turning.cycle[i + 1] = static_cast<int>(i + 1);
+    const double turn = turn_cdeg(turning.azimuth_cdeg[i], turning.azimuth_cdeg[i + 1]);
+    if (is_sector(turn)) {
+      ++sectors;
+      sector_after = i;
+    } else if (turn <= kMaxGap_cdeg) {
+      turned_cdeg += turn;
+      ++steps;
+    }
+  }
+  if (sectors != 1 || steps == 0) {
+    return;  // azimuths that jump to and fro tell nothing about time
+  }
+  // The motor is set in steps of 60 rpm, from 300 on; the lasers keep their beat in the sector left out.
+  const double seen_rpm = turned_cdeg / static_cast<double>(steps) / kTurn_cdeg * 60e6 / cycle_us;
+  const double rpm = std::max(300.0, 60.0 * std::round(seen_rpm / 60.0));
+  const double sector_cdeg = turn_cdeg(turning.azimuth_cdeg[sector_after], turning.azimuth_cdeg[sector_after + 1]);
+  const auto cycles = static_cast<int>(std::lround(sector_cdeg / kTurn_cdeg * 60e6 / rpm / cycle_us));
+  for (std::size_t i = sector_after + 1; i < count; ++i) {
+    turning.cycle[i] += std::max(cycles, 1) - 1;
+  }
 }
 
 void Decoder::decode_blocks(std::span<const std::byte> payload, Model model, bool dual, sensor::PointBlock& block) {
@@ -142,7 +179,8 @@ void Decoder::decode_blocks(std::span<const std::byte> payload, Model model, boo
   block.points.clear();
   block.sequences.clear();
   block.empty_firings = 0;
-  block.duration = from_seconds(1e-6 * table.sequence_us * table.sequences_per_block() * pairs);
+  const int cycles = turning.cycle[static_cast<std::size_t>(pairs) - 1] + 1;
+  block.duration = from_seconds(1e-6 * table.sequence_us * table.sequences_per_block() * cycles);
   for (int pair = 0; pair < pairs; ++pair) {
     for (int firing = 0; firing < table.sequences_per_block(); ++firing) {
       decode_sequence(payload, table, lasers, pair, firing, dual, turning, block);
@@ -163,9 +201,11 @@ void Decoder::decode_sequence(std::span<const std::byte> payload,
   const double gap = turning.gap_cdeg[index];
   const double cycle_us = table.sequence_us * table.sequences_per_block();
   const double begin_us = table.sequence_us * firing;
-  const double sequence_us = cycle_us * pair + begin_us;
+  const double sequence_us = cycle_us * turning.cycle[index] + begin_us;
   const double first_azimuth = std::fmod(azimuth + gap * begin_us / cycle_us, kTurn_cdeg);
-  out.sequences.push_back({static_cast<std::uint16_t>(out.points.size()), static_cast<std::uint16_t>(first_azimuth)});
+  out.sequences.push_back({static_cast<std::uint16_t>(out.points.size()),
+                           static_cast<std::uint16_t>(first_azimuth),
+                           static_cast<std::uint32_t>(std::lround(1e3 * sequence_us))});
 
   const std::size_t block = index * (dual ? 2 : 1);
   for (std::size_t id = 0; id < static_cast<std::size_t>(table.lasers); ++id) {

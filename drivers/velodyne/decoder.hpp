@@ -45,7 +45,8 @@ struct DecoderReport {
 /// Decodes Velodyne data packets: VLP-16, Puck Hi-Res, VLP-32C and HDL-32E, one or two returns.
 ///
 /// Each return gets its laser's own firing time and interpolated azimuth. Dual mode: the stronger and the last return
-/// share a firing's time; where they are the same one, it comes once.
+/// share a firing's time; where they are the same one, it comes once. A sensor that is told to leave a sector out
+/// fills one packet a turn on both sides of it: the blocks behind come later by the time that the head needs.
 /// Frames: lidar, x = R cos ω cos α, y = −R cos ω sin α, z = R sin ω.
 /// Errors: a refused packet changes nothing but its counter.
 /// Real-time: allocates in the constructor only; O(returns).
@@ -73,8 +74,10 @@ class Decoder {
   struct Turning {
     std::array<std::uint16_t, 12> azimuth_cdeg{};
     std::array<double, 12> gap_cdeg{};
+    std::array<int, 12> cycle{};  // how many blocks' times after the first: beyond its index behind a sector left out
   };
 
+  static void count_cycles(double cycle_us, std::size_t count, Turning& turning);
   DecodeResult check(std::span<const std::byte> payload, Model& model) const;
   static void read_azimuths(std::span<const std::byte> payload, bool dual, const ModelTable& table, Turning& turning);
   void decode_blocks(std::span<const std::byte> payload, Model model, bool dual, sensor::PointBlock& block);

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <charconv>
+#include <cmath>
 
 #include "core/base/bytes.hpp"
 
@@ -19,7 +20,8 @@ constexpr double kMpsPerKnot = 1852.0 / 3600.0;
 std::optional<double> number(std::string_view text) {
   double value = 0.0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  return error == std::errc() && end == text.data() + text.size() ? std::optional(value) : std::nullopt;
+  const bool whole = error == std::errc() && end == text.data() + text.size();
+  return whole && std::isfinite(value) ? std::optional(value) : std::nullopt;  // from_chars takes "inf" and "nan"
 }
 
 std::optional<int> two_digits(std::string_view text, std::size_t at) {
@@ -29,14 +31,17 @@ std::optional<int> two_digits(std::string_view text, std::size_t at) {
   return 10 * (text[at] - '0') + (text[at + 1] - '0');
 }
 
-/// ddmm.mmm to degrees.
-std::optional<double> angle(std::string_view text, std::string_view hemisphere) {
+/// ddmm.mmm to degrees; nothing beyond the limit.
+std::optional<double> angle(std::string_view text, std::string_view hemisphere, double limit_deg) {
   const auto value = number(text);
-  if (!value) {
+  if (!value || *value < 0.0 || *value > 100.0 * limit_deg) {
     return std::nullopt;
   }
   const double degrees = static_cast<double>(static_cast<int>(*value / 100.0));
   const double result = degrees + (*value - 100.0 * degrees) / 60.0;
+  if (result > limit_deg) {
+    return std::nullopt;
+  }
   return hemisphere == "S" || hemisphere == "W" ? -result : result;
 }
 
@@ -97,11 +102,13 @@ std::optional<Rmc> parse_rmc(std::string_view sentence) {
   if (!seconds) {
     return std::nullopt;
   }
+  const auto latitude_deg = angle(fields[3], fields[4], 90.0);
+  const auto longitude_deg = angle(fields[5], fields[6], 180.0);
   Rmc rmc;
-  rmc.valid = fields[2] == "A";
+  rmc.valid = fields[2] == "A" && latitude_deg && longitude_deg;
   rmc.unix_seconds = *seconds;
-  rmc.latitude_deg = angle(fields[3], fields[4]).value_or(0.0);
-  rmc.longitude_deg = angle(fields[5], fields[6]).value_or(0.0);
+  rmc.latitude_deg = latitude_deg.value_or(0.0);
+  rmc.longitude_deg = longitude_deg.value_or(0.0);
   rmc.speed_mps = number(fields[7]).value_or(0.0) * kMpsPerKnot;
   rmc.course_deg = number(fields[8]).value_or(0.0);
   return rmc;

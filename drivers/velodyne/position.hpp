@@ -16,7 +16,7 @@ enum class PpsState : std::uint8_t { kNone = 0, kSynchronising = 1, kLocked = 2,
 
 /// What a $GPRMC sentence says. Units: rad-free as on the wire: degrees, knots are converted to m/s.
 struct Rmc {
-  bool valid = false;  // A, not V
+  bool valid = false;  // A, not V, and with a position that can be
   std::int64_t unix_seconds = 0;
   double latitude_deg = 0.0;
   double longitude_deg = 0.0;

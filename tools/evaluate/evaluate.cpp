@@ -59,7 +59,7 @@ ordered_json json_of(const Statistics& s, double unit = 1.0) {
 
 std::string row(const char* name, const Statistics& s, double unit, const char* unit_name) {
   char line[160];
-  std::snprintf(line, sizeof line, "%-26s %-4s %9.4f %9.4f %9.4f %9.4f %9.4f %8zu\n", name, unit_name, s.rmse / unit,
+  std::snprintf(line, sizeof line, "%-28s %-4s %9.4f %9.4f %9.4f %9.4f %9.4f %8zu\n", name, unit_name, s.rmse / unit,
                 s.mean / unit, s.median / unit, s.std / unit, s.max / unit, s.count);
   return line;
 }
@@ -70,10 +70,10 @@ std::string table_of(const Measures& m, const Options& options) {
   std::snprintf(line, sizeof line, "%zu poses over %.1f m, %s\n\n", m.pairs, m.reference_path_m,
                 options.evo ? "nearest stamps (evo's rules)" : "reference interpolated");
   text += line;
-  std::snprintf(line, sizeof line, "%-31s %9s %9s %9s %9s %9s %8s\n", "", "rmse", "mean", "median", "std", "max", "count");
+  std::snprintf(line, sizeof line, "%-33s %9s %9s %9s %9s %9s %8s\n", "", "rmse", "mean", "median", "std", "max", "count");
   text += line;
   if (m.collinear) {
-    text += "APE, SE(3)-aligned         –    (the path is straight: no rotation can be found)\n";
+    text += "APE, SE(3)-aligned           –    (the path is straight: no rotation can be found)\n";
   } else {
     text += row("APE, SE(3)-aligned", m.ape_se3_m, 1.0, "m");
     text += row("APE rotation, SE(3)-aligned", m.ape_rotation_rad, kDegree, "deg");

@@ -80,7 +80,7 @@ std::string Axes::svg(const std::string& x_label,
         px(x), bottom + 17.0, tick_text(x, xs.size() > 1 ? xs[1] - xs[0] : x_.size()), "middle");
   }
   const std::vector<double> ys =
-      y_numbers ? round_ticks(y_, std::max(2, static_cast<int>(frame_.height / 42.0)))
+      y_numbers ? round_ticks(y_, std::max(3, static_cast<int>(frame_.height / 42.0)))
                 : std::vector<double>{};
   for (const double y : ys) {
     grid += line(frame_.left, py(y), right, py(y));

@@ -103,7 +103,7 @@ std::string path_of(const Series& series, const Axes& axes) {
 
 std::string line_of(const Series& series, const Axes& axes, const std::string& colour) {
   return "<path fill=\"none\" stroke=\"" + colour +
-         "\" stroke-width=\"1.8\" stroke-linejoin=\"round\"" +
+         "\" stroke-width=\"" + (series.broad ? "5" : "1.8") + "\" stroke-linejoin=\"round\"" +
          (series.dashed ? " stroke-dasharray=\"6 4\"" : "") + " d=\"" + path_of(series, axes) +
          "\"/>\n";
 }
@@ -115,14 +115,14 @@ std::string backdrop_of(const Backdrop& backdrop, const Axes& axes) {
          "\" preserveAspectRatio=\"none\" href=\"" + backdrop.image + "\"/>\n";
 }
 
-/// A bar of a round length in the lower left corner.
-std::string scale_bar(const Axes& axes, bool on_dark) {
+/// A bar of a round length in the lower left corner, for a dark picture.
+std::string scale_bar(const Axes& axes) {
   const std::vector<double> ticks = round_ticks({0.0, 0.25 * axes.x().size()}, 3);
   const double length = ticks.back();
   const double x1 = axes.frame().left + 12.0;
   const double x2 = x1 + axes.px(length) - axes.px(0.0);
   const double y = axes.frame().top + axes.frame().height - 12.0;
-  const std::string colour = on_dark ? "#fff" : "#888";
+  const std::string colour = "#fff";
   return "<path fill=\"none\" stroke=\"" + colour + "\" stroke-width=\"2\" d=\"M" + coordinate(x1) +
          " " + coordinate(y - 5.0) + "v5H" + coordinate(x2) + "v-5\"/>\n<text x=\"" +
          coordinate(0.5 * (x1 + x2)) + "\" y=\"" + coordinate(y - 7.0) +
@@ -166,8 +166,8 @@ std::string svg_of(const LineChart& chart) {
     body += series.points ? points_of(series, axes, colour_of(chart, i))
                           : line_of(series, axes, colour_of(chart, i));
   }
-  if (chart.equal_scale) {
-    body += scale_bar(axes, chart.backdrop.has_value());
+  if (chart.equal_scale && chart.backdrop) {
+    body += scale_bar(axes);
   }
   return document(kDrawingWidth, placed.height + 26.0 + height + kBottom, chart.alt, body);
 }

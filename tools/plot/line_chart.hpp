@@ -16,6 +16,7 @@ struct Series {
   std::string colour;  // #rrggbb; empty: the palette's next
   bool dashed = false;
   bool points = false;
+  bool broad = false;  // a band for narrower lines to lie on
 };
 
 /// A picture that fills a rectangle of data coordinates, behind the lines.
@@ -32,7 +33,7 @@ struct LineChart {
   std::string y_label;
   std::vector<Series> series;
   std::optional<Backdrop> backdrop;  // fixes the ranges
-  bool equal_scale = false;          // a metre is as long in x as in y; also draws a scale bar
+  bool equal_scale = false;          // a metre is as long in x as in y; on a backdrop with a scale bar
   bool from_zero = false;            // y begins at 0
   double y_stretch = 1.0;            // with equal_scale: y is drawn so many times longer
 };

@@ -1,4 +1,5 @@
 #include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -32,6 +33,14 @@ void declare(CLI::App& app, Options& options) {
   app.add_option("--compare", options.compare, "Run a second filter on the same recording, side by side")->check(CLI::IsMember({"psf", "iekf"}));
   app.add_flag("--json", options.json, "Print report.json instead of the summary");
   app.add_flag("--print-config", options.print_configuration, "Print the complete configuration and exit");
+  app.add_flag_callback(
+         "--print-keys",
+         [] {
+           std::fputs(configuration::print_reference().c_str(), stdout);
+           std::exit(0);
+         },
+         "Print a table of all keys and exit")
+      ->trigger_on_parse();
   app.footer("Exit code: 0 the recording was processed to its end; 1 it could not be; 2 bad configuration or usage.\n"
              "All keys: docs/configuration.md.");
 }

@@ -58,19 +58,25 @@ TimeSummary stage(const Run& run, Get&& get) {
   return summary_of(std::move(values));
 }
 
+/// The scans and the time in each state, and the causes of it. A scan's state holds from the scan before it on.
 ordered_json states_of(const Run& run) {
   std::map<std::string, std::map<std::string, std::uint64_t>> causes;
   std::map<std::string, std::uint64_t> scans;
+  std::map<std::string, Duration> times;
+  const ScanRecord* before = nullptr;
   for (const ScanRecord& record : run.scans) {
     const std::string state = name_of(record.odometry.state);
     ++scans[state];
+    times[state] += before == nullptr ? Duration{} : record.odometry.stamp - before->odometry.stamp;
+    before = &record;
     if (record.odometry.cause != odometry::Cause::kNone) {
       ++causes[state][name_of(record.odometry.cause)];
     }
   }
   ordered_json states = ordered_json::object();
   for (const auto& [state, count] : scans) {
-    states[state] = {{"scans", count}, {"causes", causes[state]}};
+    const double time_s = std::round(1e3 * to_seconds(times[state])) / 1e3;
+    states[state] = {{"scans", count}, {"time_s", time_s}, {"causes", causes[state]}};
   }
   return states;
 }
@@ -99,9 +105,7 @@ void ProductWriter::add(const ScanRecord& record, const scan::DeskewedScan& scan
     const Eigen::Vector3f p_map = R * p_imu + t;
     if (map_.points() < kMaxMapPoints && sampler_.admit(p_map)) {
       map_.write(p_map);
-      if (picture_points_.size() < kMaxPicturePoints) {
-        picture_points_.push_back(p_map);
-      }
+      picture_points_.offer(p_map);
     }
   }
 }

@@ -9,6 +9,7 @@
 #include "core/evaluation/trajectory.hpp"
 #include "core/scan/voxel_sampler.hpp"
 #include "drivers/storage/ply_writer.hpp"
+#include "tools/plot/even_sample.hpp"
 #include "tools/replay/replay.hpp"
 
 namespace slamd::replay {
@@ -24,7 +25,7 @@ class ProductWriter {
   void close();
 
   /// A thinned copy of the map for pictures.
-  const std::vector<Eigen::Vector3f>& picture_points() const { return picture_points_; }
+  const std::vector<Eigen::Vector3f>& picture_points() const { return picture_points_.points(); }
 
  private:
   static constexpr std::size_t kMaxMapPoints = 20'000'000;
@@ -34,7 +35,7 @@ class ProductWriter {
   std::unique_ptr<std::FILE, int (*)(std::FILE*)> trajectory_;
   storage::PlyWriter map_;
   scan::VoxelSampler sampler_;
-  std::vector<Eigen::Vector3f> picture_points_;
+  plot::EvenSample picture_points_{kMaxPicturePoints};
 };
 
 /// Returns report.json for a run; `accuracy` is what evaluation found, as a JSON object, or empty.

@@ -33,6 +33,7 @@ dl.facts dd{margin:0;font-size:1.15rem;font-variant-numeric:tabular-nums;overflo
 figure{margin:0;min-width:0}figure.wide{grid-column:1/-1}
 figure svg{width:100%;height:auto;display:block}
 figure.wide svg{max-width:800px;margin:0 auto}
+figure.tall{grid-row:span 2}
 figcaption{color:var(--soft);font-size:.9rem;margin-top:.3rem}
 .plot .paper{fill:var(--paper)}.plot .ink{fill:var(--ink)}.plot .grid{stroke:var(--grid)}.plot .truth{stroke:var(--ink)}
 .plot .no-grid .grid{stroke:#fff}
@@ -42,6 +43,7 @@ th,td{padding:.25rem .9rem .25rem 0;text-align:right;border-bottom:1px solid var
 th:first-child,td:first-child{text-align:left}
 th{color:var(--soft);font-weight:600}
 .tables{display:flex;flex-wrap:wrap;gap:1rem 2.5rem}
+.figures+.tables{margin-top:1.4rem}
 .tables h3{font-size:.95rem;margin:0 0 .3rem}
 pre{overflow-x:auto;font-size:.85rem;margin:.6rem 0 0}
 summary{cursor:pointer;font-weight:600}
@@ -68,9 +70,11 @@ std::string html_of(const HtmlTable& table) {
   return html + "</tbody></table></div>\n";
 }
 
-std::string figure(const std::string& svg, const std::string& caption, bool wide) {
-  return std::string(wide ? "<figure class=\"wide\">" : "<figure>") + svg + "<figcaption>" +
-         escaped(caption) + "</figcaption></figure>\n";
+std::string figure(const std::string& svg, const std::string& caption, Shape shape) {
+  const char* opening = shape == Shape::kWide   ? "<figure class=\"wide\">"
+                        : shape == Shape::kTall ? "<figure class=\"tall\">"
+                                                : "<figure>";
+  return opening + svg + "<figcaption>" + escaped(caption) + "</figcaption></figure>\n";
 }
 
 std::string section(const std::string& heading, const std::string& body) {

@@ -14,8 +14,11 @@ struct HtmlTable {
 /// Returns the table as HTML; its texts are escaped here.
 std::string html_of(const HtmlTable& table);
 
-/// Returns a picture with a caption below it. `wide` gives it a whole row.
-std::string figure(const std::string& svg, const std::string& caption, bool wide = false);
+/// The room of a figure in the grid: one cell, a whole row, or two cells one above the other.
+enum class Shape { kCell, kWide, kTall };
+
+/// Returns a picture with a caption below it.
+std::string figure(const std::string& svg, const std::string& caption, Shape shape = Shape::kCell);
 
 /// Returns a section with a heading.
 std::string section(const std::string& heading, const std::string& body);

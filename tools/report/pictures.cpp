@@ -7,6 +7,7 @@
 #include <Eigen/Eigenvalues>
 
 #include "tools/plot/line_chart.hpp"
+#include "tools/plot/palette.hpp"
 #include "tools/plot/point_picture.hpp"
 #include "tools/plot/stacked_chart.hpp"
 #include "tools/plot/timeline.hpp"
@@ -17,7 +18,9 @@ namespace slamd::report {
 namespace {
 
 constexpr std::size_t kPictureWidth = 1300;  // pixels: sharp on a screen of 1.5 pixels per CSS px
-constexpr const char* kTruthColour = "#888888";
+constexpr const char* kTruthColour = "#b4bac2";  // a broad band below the others
+constexpr const char* kRunColour = plot::kSeriesColours[0];
+constexpr const char* kComparedColour = plot::kSeriesColours[1];
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 double seconds_since_start(const FilterRun& run, Stamp stamp) {
@@ -85,12 +88,13 @@ std::string map_view(const Scene& scene,
   chart.series = {projected(path, camera, "path of base")};
   caption += " Colours: height, from " + number(picture.colour.low, 1) + " m (violet) to " +
              number(picture.colour.high, 1) + " m (yellow).";
-  return figure(plot::svg_of(chart), caption, true);
+  return figure(plot::svg_of(chart), caption, Shape::kWide);
 }
 
 plot::Series path_series(const evaluation::Trajectory& trajectory, const std::string& name) {
   plot::Series series;
   series.name = name;
+  series.colour = kRunColour;
   for (const evaluation::TimedPose& pose : trajectory) {
     series.x.push_back(pose.T.translation().x());
     series.y.push_back(pose.T.translation().y());
@@ -101,6 +105,7 @@ plot::Series path_series(const evaluation::Trajectory& trajectory, const std::st
 plot::Series aligned_path(const Accuracy& accuracy, const std::string& name) {
   plot::Series series;
   series.name = name;
+  series.colour = kRunColour;
   for (const evaluation::PosePair& pair : accuracy.pairs) {
     const Eigen::Vector3d p = accuracy.alignment.apply(pair.estimate).translation();
     series.x.push_back(p.x());
@@ -114,11 +119,18 @@ plot::Series truth_series(const Accuracy& accuracy) {
   plot::Series series;
   series.name = "truth";
   series.colour = kTruthColour;
-  series.dashed = true;
+  series.broad = true;
   for (const evaluation::PosePair& pair : accuracy.pairs) {
     series.x.push_back(pair.reference.translation().x());
     series.y.push_back(pair.reference.translation().y());
   }
+  return series;
+}
+
+/// The second filter's line: dashed, so that the first one shows through where both agree.
+plot::Series compared(plot::Series series) {
+  series.colour = kComparedColour;
+  series.dashed = true;
   return series;
 }
 
@@ -145,7 +157,7 @@ std::string error_figure(const Scene& scene) {
   chart.series.push_back(error_series(*scene.run, begin, scene.content.run.filter));
   if (scene.comparison) {
     chart.series.push_back(
-        error_series(*scene.comparison, begin, scene.content.comparison->filter));
+        compared(error_series(*scene.comparison, begin, scene.content.comparison->filter)));
   }
   return figure(plot::svg_of(chart),
                 scene.run->yaw_only
@@ -160,9 +172,10 @@ std::string height_figure(const Scene& scene) {
   chart.y_label = "z [m]";
   const FilterRun& run = scene.content.run;
   plot::Series height{
-      .name = run.filter, .x = {}, .y = {}, .colour = "", .dashed = false, .points = false};
+      .name = run.filter, .x = {}, .y = {}, .colour = kRunColour, .dashed = false, .points = false};
   plot::Series truth{
-      .name = "truth", .x = {}, .y = {}, .colour = kTruthColour, .dashed = true, .points = false};
+      .name = "truth", .x = {}, .y = {}, .colour = kTruthColour, .dashed = false, .points = false};
+  truth.broad = true;
   if (scene.run) {
     for (const evaluation::PosePair& pair : scene.run->pairs) {
       truth.x.push_back(seconds_since_start(run, pair.stamp));
@@ -170,7 +183,7 @@ std::string height_figure(const Scene& scene) {
       height.x.push_back(truth.x.back());
       height.y.push_back(scene.run->alignment.apply(pair.estimate).translation().z());
     }
-    chart.series = {height, truth};
+    chart.series = {truth, height};
   } else {
     for (const ScanSample& scan : run.scans) {
       height.x.push_back(seconds_since_start(run, scan.pose.stamp));
@@ -310,21 +323,21 @@ std::string path_figures(const Scene& scene) {
   chart.y_label = "y [m]";
   const ReportContent& content = scene.content;
   if (scene.run) {
-    chart.series = {aligned_path(*scene.run, content.run.filter)};
+    chart.series = {truth_series(*scene.run), aligned_path(*scene.run, content.run.filter)};
     if (scene.comparison) {
-      chart.series.push_back(aligned_path(*scene.comparison, content.comparison->filter));
+      chart.series.push_back(compared(aligned_path(*scene.comparison, content.comparison->filter)));
     }
-    chart.series.push_back(truth_series(*scene.run));
   } else {
     chart.series = {path_series(trajectory_of(content.run), content.run.filter)};
     if (content.comparison) {
       chart.series.push_back(
-          path_series(trajectory_of(*content.comparison), content.comparison->filter));
+          compared(path_series(trajectory_of(*content.comparison), content.comparison->filter)));
     }
   }
   const char* caption =
       scene.run ? "Paths from above, laid on the truth." : "Path from above, in odom.";
-  std::string html = figure(plot::svg_of(chart), caption);
+  std::string html =
+      figure(plot::svg_of(chart), caption, scene.run ? Shape::kTall : Shape::kCell);
   html += scene.run ? error_figure(scene) : "";
   return html + height_figure(scene);
 }

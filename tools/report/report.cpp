@@ -77,7 +77,9 @@ std::string counters_tables(const std::vector<CounterGroup>& groups) {
   for (const CounterGroup& group : groups) {
     HtmlTable table{{group.name, "count"}, {}};
     for (const auto& [name, count] : group.counters) {
-      table.rows.push_back({name, std::to_string(count)});
+      std::string words = name;
+      std::replace(words.begin(), words.end(), '_', ' ');
+      table.rows.push_back({std::move(words), std::to_string(count)});
     }
     html += html_of(table);
   }

@@ -66,6 +66,14 @@ TEST(So3, RollPitchYawRoundTrips) {
   }
 }
 
+TEST(So3, RollPitchYawOfARotationThatLooksStraightUpOrDownGivesThatRotation) {
+  for (const double pitch : {-M_PI_2, M_PI_2}) {
+    const Eigen::Matrix3d R = rotation_from_rpy({0.4, pitch, -1.1});
+
+    EXPECT_LT((rotation_from_rpy(rpy_from_rotation(R)) - R).norm(), 1e-9);
+  }
+}
+
 TEST(So3, YawTurnsLeft) {
   const Eigen::Vector3d turned = rotation_from_rpy({0.0, 0.0, M_PI_2}) * Eigen::Vector3d::UnitX();
 

@@ -34,7 +34,8 @@ struct Spinner {
       const double azimuth = azimuth_deg + 360.0 * rate_hz * to_seconds(s * kFiring);
       const auto azimuth_cdeg = static_cast<std::uint32_t>(azimuth * 100.0) % 36000;
       block.sequences.push_back({static_cast<std::uint16_t>(block.points.size()),
-                                 static_cast<std::uint16_t>(azimuth_cdeg)});
+                                 static_cast<std::uint16_t>(azimuth_cdeg),
+                                 static_cast<std::uint32_t>((s * kFiring).count())});
       for (const int laser : {0, 7}) {
         for (int echo = 0; echo < (dual ? 2 : 1); ++echo) {
           Point point;
@@ -185,6 +186,40 @@ TEST(ScanAssembler, CompletedScanStaysUntilTheNextCompletes) {
   EXPECT_EQ(first->points.size(), points);
 }
 
+// With a field of view of half a turn, one packet a turn holds the end of one sweep and the beginning of the next.
+TEST(ScanAssembler, CutsInsideABlockThatLeavesASectorOut) {
+  ScanAssembler sut(small_config());
+  Checker checker;
+  Spinner spinner{.azimuth_deg = 270.0};
+  for (int i = 0; i < 37; ++i) {
+    checker.check(sut.add(spinner.next()));
+  }
+  PointBlock block = spinner.next();
+  const Duration hole = milliseconds{50} - milliseconds{50} % kFiring;
+  for (std::size_t s = 12; s < 24; ++s) {
+    block.sequences[s].azimuth_cdeg = static_cast<std::uint16_t>((block.sequences[s].azimuth_cdeg + 18000) % 36000);
+    block.sequences[s].offset_ns += static_cast<std::uint32_t>(hole.count());
+  }
+  for (std::size_t i = block.sequences[12].first_point; i < block.points.size(); ++i) {
+    block.points[i].offset_ns += static_cast<std::uint32_t>(hole.count());
+  }
+  block.duration += hole;
+
+  const Scan* scan = sut.add(block);
+
+  ASSERT_NE(scan, nullptr);
+  checker.check(scan);
+  EXPECT_EQ(scan->end, block.stamp + Duration{block.sequences[12].offset_ns});
+  EXPECT_EQ(scan->points.size(), 37U * 48 + 24);
+  spinner.azimuth_deg = std::fmod(spinner.azimuth_deg + 180.0, 360.0);
+  spinner.time += hole;
+  for (int i = 0; i < 10; ++i) {
+    EXPECT_EQ(sut.add(spinner.next()), nullptr);
+  }
+  EXPECT_EQ(sut.counts().blocks_missing, 0U);
+  EXPECT_EQ(sut.counts().blocks_accepted, 48U);
+}
+
 TEST(ScanAssembler, CutsOnceWhenTheAzimuthTremblesAtTheCut) {
   ScanAssembler sut(small_config());
   Checker checker;
@@ -226,7 +261,7 @@ TEST(ScanAssembler, RefusesDuplicateLateAndBackwardBlocksByReason) {
 
 TEST(ScanAssembler, RefusesMalformedBlocks) {
   const PointBlock good = Spinner{}.next();
-  std::vector<PointBlock> bad(7, good);
+  std::vector<PointBlock> bad(9, good);
   bad[0].sequences.clear();
   bad[1].sequences[3].azimuth_cdeg = 36000;
   bad[2].sequences[4].first_point = 2;
@@ -234,6 +269,8 @@ TEST(ScanAssembler, RefusesMalformedBlocks) {
   bad[4].duration = Duration::zero();
   bad[5].points.back().offset_ns = 4'000'000'000;
   bad[6].duration = seconds{1};
+  bad[7].sequences[9].offset_ns = bad[7].sequences[8].offset_ns;
+  bad[8].sequences[23].offset_ns = 24 * 55'296;
 
   ScanAssembler sut(small_config());
   for (const PointBlock& block : bad) {

@@ -134,6 +134,29 @@ TEST(FrontEnd, FollowsADriveWithoutInertialSensor) {
   EXPECT_LT(outcome.worst_rad, 0.02);
 }
 
+TEST(FrontEnd, StartsWithoutInertialSensorAtTheFirstCompleteScanButDoesNotWaitForEver) {
+  OdometryConfig config = small_config();
+  config.use_imu = false;
+  std::mt19937_64 engine(11);
+  const world::Room room;
+  const auto scan_of = [&](int k, bool complete) {
+    sensor::Scan scan = room.scan(Stamp{} + k * std::chrono::milliseconds(100), std::chrono::milliseconds(100), 600, 0.01,
+                                  engine, [](double) { return Drive().pose(0.0); });
+    scan.complete = complete;
+    return scan;
+  };
+  FrontEnd patient(config);
+  FrontEnd lossy(config);
+
+  EXPECT_FALSE(patient.process(scan_of(0, false)));
+  EXPECT_TRUE(patient.process(scan_of(1, true)));
+  EXPECT_TRUE(patient.process(scan_of(2, false)));
+  for (int k = 0; k < FrontEnd::kIncompletePatience; ++k) {
+    EXPECT_FALSE(lossy.process(scan_of(k, false))) << k;
+  }
+  EXPECT_TRUE(lossy.process(scan_of(FrontEnd::kIncompletePatience, false)));
+}
+
 TEST(FrontEnd, SurvivesSilenceOfTheInertialSensorAndItsReturn) {
   const Outcome outcome = follow(small_config(), 12.0, [](double t) { return t > 5.0 && t < 7.0; });
 

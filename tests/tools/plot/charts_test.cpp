@@ -93,6 +93,45 @@ TEST(LineChart, DrawsAMetreAsLongInBothDirections) {
   EXPECT_NEAR(x[1] - x[0], y[1] - y[2], 0.05);
 }
 
+TEST(LineChart, PutsAScaleBarOnAPictureOnly) {
+  LineChart chart;
+  chart.equal_scale = true;
+  chart.series = {line("a", {0, 100}, {0, 100})};
+  LineChart on_picture = chart;
+  on_picture.backdrop = Backdrop{{0.0, 100.0}, {0.0, 100.0}, "data:image/png;base64,"};
+
+  const std::string sut = svg_of(chart);
+  const std::string sut_on_picture = svg_of(on_picture);
+
+  EXPECT_FALSE(contains(sut, " m</text>"));
+  EXPECT_TRUE(contains(sut_on_picture, " m</text>"));
+}
+
+TEST(LineChart, DrawsABroadLineForOthersToLieOn) {
+  LineChart chart;
+  chart.series = {line("a", {0, 1}, {0, 1}), line("b", {0, 1}, {0, 1})};
+  chart.series[0].broad = true;
+
+  const std::string sut = svg_of(chart);
+
+  EXPECT_EQ(count(sut, "stroke-width=\"5\""), 1U);
+  EXPECT_EQ(count(sut, "stroke-width=\"1.8\""), 1U);
+}
+
+TEST(LineChart, NumbersALowDrawingAtTwoHeightsAtLeast) {
+  LineChart chart;
+  chart.equal_scale = true;
+  chart.y_label = "z [m]";
+  chart.series = {line("a", {0, 208}, {0, 0})};
+  chart.backdrop = Backdrop{{0.0, 208.0}, {-7.0, 19.0}, "data:image/png;base64,"};
+  chart.y_stretch = 2.0;
+
+  const std::string sut = svg_of(chart);
+
+  EXPECT_TRUE(contains(sut, ">0</text>"));
+  EXPECT_TRUE(contains(sut, ">10</text>"));
+}
+
 TEST(LineChart, DrawsNothingFromNothing) {
   const std::string sut = svg_of(LineChart{});
 

@@ -51,6 +51,13 @@ TEST(HtmlOf, ShowsEveryPictureWithWordsForThoseWhoCannotSeeIt) {
   }
 }
 
+TEST(HtmlOf, LetsTheFirstFilterShowThroughTheSecond) {
+  const std::string html = html_of(drive_around_the_block());
+
+  // Dashed are the second filter's path and its error, each with its mark in a legend.
+  EXPECT_EQ(count(html, "stroke-dasharray=\"6 4\""), 4U);
+}
+
 TEST(HtmlOf, NamesStatesCausesAndRefusals) {
   const std::string html = html_of(drive_around_the_block());
 
