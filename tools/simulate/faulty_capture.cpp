@@ -20,6 +20,9 @@ void scramble(std::span<std::byte> payload, Wire wire, const Noise& noise, std::
   for (std::size_t i = 0; i < payload.size(); ++i) {
     payload[i] = static_cast<std::byte>(static_cast<unsigned>(256.0 * noise.uniform((number << 11) + i)));
   }
+  if (payload.empty()) {
+    return;
+  }
   payload[0] = std::byte{0x5A};  // no block's flag, no version, no start of a command
   if (wire == Wire::kVelodynePosition) {
     store_le<std::uint32_t>(payload, 0xC6, 0xFFFFFFFFU);  // more than an hour

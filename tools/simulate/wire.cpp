@@ -13,6 +13,7 @@ namespace {
 constexpr std::size_t kLivoxHeader = 18;
 constexpr std::size_t kLivox2Header = 36;
 constexpr std::size_t kPointBytes = 14;
+constexpr std::size_t kImuBytes = 24;
 constexpr double kGravity_mps2 = 9.80665;
 constexpr std::int64_t kHour_us = 3'600'000'000;
 
@@ -76,11 +77,13 @@ Wire wire_of(std::span<const std::byte> payload) {
     return Wire::kVelodynePosition;
   }
   if (payload.size() > kLivoxHeader && payload[0] == std::byte{5}) {
-    return payload[9] == std::byte{6} ? Wire::kLivoxImu : Wire::kLivoxPoints;
+    const bool imu = payload[9] == std::byte{6};
+    return !imu ? Wire::kLivoxPoints : payload.size() == kLivoxHeader + kImuBytes ? Wire::kLivoxImu : Wire::kOther;
   }
   if (payload.size() > kLivox2Header && payload[0] == std::byte{0} &&
       load_le<std::uint16_t>(payload, 1) == payload.size()) {
-    return payload[10] == std::byte{0} ? Wire::kLivox2Imu : Wire::kLivox2Points;
+    const bool imu = payload[10] == std::byte{0};
+    return !imu ? Wire::kLivox2Points : payload.size() == kLivox2Header + kImuBytes ? Wire::kLivox2Imu : Wire::kOther;
   }
   return Wire::kOther;
 }

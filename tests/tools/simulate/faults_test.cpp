@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "drivers/recording/pcap_reader.hpp"
+#include "drivers/recording/pcap_writer.hpp"
 #include "decoded.hpp"
 #include "temporary_folder.hpp"
 #include "tools/replay/output.hpp"
@@ -215,6 +216,38 @@ TEST_F(FaultInjection, ShiftsClipsAndInterruptsInertialSamples) {
     most = std::max(most, std::abs(std::stod(rest)));
   }
   EXPECT_LE(most, 0.05);
+}
+
+TEST_F(FaultInjection, TakesDatagramsOfAnyLengthAndContent) {
+  const std::filesystem::path in = folder_ / "odd.pcap";
+  recording::PcapWriter writer(in);
+  for (std::size_t length = 0; length < 120; ++length) {
+    for (const int first : {0, 5, 0xAA, 0xFF}) {
+      std::vector<std::byte> bytes(length);
+      if (length > 10) {
+        bytes[0] = static_cast<std::byte>(first);
+        bytes[1] = static_cast<std::byte>(length);  // of an SDK2 packet
+        bytes[9] = bytes[10] = static_cast<std::byte>(first == 5 ? 6 : 0);
+      }
+      recording::Packet packet;
+      packet.received = Stamp{} + std::chrono::milliseconds(length);
+      packet.payload = bytes;
+      writer.write(packet);
+    }
+  }
+  writer.close();
+  Faults faults = all_faults();
+  faults.garbage = 0.3;
+  faults.blackouts.clear();
+  faults.clock_steps = {{0.0, 0.5}};
+
+  const FaultCounts counts = inject_faults(in, made("out"), faults, nullptr);
+
+  std::uint64_t read = 0;
+  for (const PacketFaults& packets : counts.packets) {
+    read += packets.read;
+  }
+  EXPECT_EQ(read, 480U);
 }
 
 TEST_F(FaultInjection, SaysWhatIsWrongWithARecordingThatIsNone) {
