@@ -21,7 +21,7 @@ double thread_cpu_ms() {
   return 1e3 * static_cast<double>(now.tv_sec) + 1e-6 * static_cast<double>(now.tv_nsec);
 }
 
-/// The inertial samples of a recording, one ahead.
+/// The inertial samples of a recording or a source, one ahead.
 class ImuSource {
  public:
   explicit ImuSource(const std::filesystem::path& file) {
@@ -31,11 +31,15 @@ class ImuSource {
     }
   }
 
+  explicit ImuSource(PacketSource& source) : source_(&source) { advance(); }
+
   const std::optional<ImuSample>& next() const { return next_; }
 
   void advance() {
     ImuSample sample;
-    next_ = reader_ && reader_->next(sample) ? std::optional(sample) : std::nullopt;
+    const bool more = source_ != nullptr ? source_->next_imu(sample) : reader_ && reader_->next(sample);
+    next_ = more ? std::optional(sample) : std::nullopt;
+    samples_ += more ? 1 : 0;
   }
 
   stages::NamedCounts counts() const {
@@ -48,21 +52,25 @@ class ImuSource {
           counts.emplace_back(std::string("refused_row_") + name_of(static_cast<recording::RowRefusal>(i)), refused);
         }
       }
+    } else if (source_ != nullptr) {
+      counts.emplace_back("rows", samples_);
     }
     return counts;
   }
 
  private:
   std::optional<recording::ImuCsvReader> reader_;
+  PacketSource* source_ = nullptr;
+  std::uint64_t samples_ = 0;
   std::optional<ImuSample> next_;
 };
 
 /// The run itself: a virtual clock, the front end, and at most one scan that waits for inertial samples.
 class Player {
  public:
-  Player(const Recording& recording, const Sinks& sinks)
-      : sinks_(sinks), front_end_(resolved_odometry(recording.configuration)), imu_(recording.imu_csv),
-        waiting_(recording.configuration.odometry.preprocess.max_points) {}
+  Player(const configuration::Configuration& configuration, ImuSource imu, const Sinks& sinks)
+      : sinks_(sinks), front_end_(resolved_odometry(configuration)), imu_(std::move(imu)),
+        waiting_(configuration.odometry.preprocess.max_points) {}
 
   /// Lets time pass: inertial samples up to `now` arrive, and a waiting scan goes when it can.
   void advance_to(Stamp now) {
@@ -147,19 +155,19 @@ class Player {
   Run run_;
 };
 
-Run replay_packets(const Recording& recording, const Sinks& sinks) {
-  recording::PcapReader reader(recording.lidar);
-  stages::PacketStage packets(recording.configuration);
-  sensor::ScanAssembler assembler(stages::assembler_config(recording.configuration));
+/// Plays packets that `next(packet)` gives; `share()` is how much of them was given.
+template <typename Next, typename Share>
+Run play_packets(const configuration::Configuration& configuration, ImuSource imu, Next&& next, Share&& share,
+                 const Sinks& sinks) {
+  stages::PacketStage packets(configuration);
+  sensor::ScanAssembler assembler(stages::assembler_config(configuration));
   sensor::PointBlock block;
-  Player player(recording, sinks);
-  const double file_bytes = static_cast<double>(std::filesystem::file_size(recording.lidar)) + 1.0;
-  double read_bytes = 0.0;
+  Player player(configuration, std::move(imu), sinks);
   double decode_ms = 0.0;
   std::optional<Stamp> first;
   Stamp now{};
   Packet packet;
-  while (reader.next(packet)) {
+  while (next(packet)) {
     first = first.value_or(packet.received);
     now = std::max(now, packet.received);  // the clock does not run backwards for a reordered capture
     player.advance_to(now);
@@ -174,10 +182,9 @@ Run replay_packets(const Recording& recording, const Sinks& sinks) {
       player.add_scan(*scan, decode_ms, now);
       decode_ms = 0.0;
       if (sinks.progress) {
-        sinks.progress(read_bytes / file_bytes);
+        sinks.progress(share());
       }
     }
-    read_bytes += static_cast<double>(packet.payload.size() + 58);
   }
   if (const Scan* last = assembler.flush(); last != nullptr) {
     player.advance_to(last->end);
@@ -185,26 +192,40 @@ Run replay_packets(const Recording& recording, const Sinks& sinks) {
   }
   Run run = player.finish();
   run.packets = packets.packets();
+  run.blocks = stages::named_counts(assembler.counts());
+  run.remarks = packets.remarks();
+  run.clock = packets.clock();
+  run.recording_s = first ? to_seconds(now - *first) : 0.0;
+  return run;
+}
+
+Run replay_packets(const Recording& recording, const Sinks& sinks) {
+  recording::PcapReader reader(recording.lidar);
+  const double file_bytes = static_cast<double>(std::filesystem::file_size(recording.lidar)) + 1.0;
+  double read_bytes = 0.0;
+  const auto next = [&](Packet& packet) {
+    const bool more = reader.next(packet);
+    read_bytes += more ? static_cast<double>(packet.payload.size() + 58) : 0.0;
+    return more;
+  };
+  const auto share = [&] { return read_bytes / file_bytes; };
+  Run run = play_packets(recording.configuration, ImuSource(recording.imu_csv), next, share, sinks);
   for (std::size_t i = 1; i < recording::kFrameKinds; ++i) {
     const auto kind = static_cast<recording::FrameKind>(i);
     if (reader.counters().of(kind) != 0) {
       run.packets.emplace_back(std::string("refused_") + name_of(kind), reader.counters().of(kind));
     }
   }
-  run.blocks = stages::named_counts(assembler.counts());
-  run.remarks = packets.remarks();
   if (reader.counters().ended_in_a_record) {
     run.remarks.emplace_back("the capture ends in the middle of a record");
   }
-  run.clock = packets.clock();
-  run.recording_s = first ? to_seconds(now - *first) : 0.0;
   return run;
 }
 
 Run replay_points(const Recording& recording, const Sinks& sinks) {
   const auto& lidar = recording.configuration.lidar;
   clouds::PointFolderReader reader(recording.lidar, {lidar.scans_per_second, lidar.points_have_time});
-  Player player(recording, sinks);
+  Player player(recording.configuration, ImuSource(recording.imu_csv), sinks);
   Scan scan(recording.configuration.odometry.preprocess.max_points);
   std::optional<Stamp> first;
   Stamp now{};
@@ -240,6 +261,15 @@ Run replay(const Recording& recording, const Sinks& sinks) {
   const auto begin = std::chrono::steady_clock::now();
   Run run = recording.configuration.lidar.model == LidarModel::kPoints ? replay_points(recording, sinks)
                                                                         : replay_packets(recording, sinks);
+  run.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  return run;
+}
+
+Run replay(const configuration::Configuration& configuration, PacketSource& source, const Sinks& sinks) {
+  const auto begin = std::chrono::steady_clock::now();
+  const bool external_imu = configuration.imu.enabled && configuration.imu.source != "livox";
+  Run run = play_packets(configuration, external_imu ? ImuSource(source) : ImuSource(std::filesystem::path()),
+                         [&](Packet& packet) { return source.next(packet); }, [&] { return source.progress(); }, sinks);
   run.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   return run;
 }

@@ -41,10 +41,28 @@ struct Sinks {
   std::function<void(double share)> progress;  // of the recording, 0..1
 };
 
+/// Packets and inertial samples that do not come from files.
+class PacketSource {
+ public:
+  virtual ~PacketSource() = default;
+
+  /// Gives the next datagram, in the order of their arrival; false at the end.
+  virtual bool next(recording::Packet& packet) = 0;
+
+  /// Gives the next sample of the external inertial sensor; false at the end, or when there is none.
+  virtual bool next_imu(sensor::ImuSample& sample) = 0;
+
+  /// The share that was given out, 0..1.
+  virtual double progress() const = 0;
+};
+
 /// Runs a recording through the stages of the daemon on a virtual clock, in one thread: the same recording gives the
 /// same bytes, whatever the load. Events come in the order of their arrival: packets by capture stamp, inertial
 /// samples by their own.
 /// Errors: RecordingError.
 Run replay(const Recording& recording, const Sinks& sinks);
+
+/// The same for a source.
+Run replay(const configuration::Configuration& configuration, PacketSource& source, const Sinks& sinks);
 
 }  // namespace slamd::replay

@@ -77,11 +77,20 @@ std::string Session::filter_name() const {
   return recording_.configuration.odometry.filter == Filter::kPsf ? "psf" : "iekf";
 }
 
-void Session::run(const std::function<void(double)>& progress) {
+void Session::run_with(const std::function<Run(const Sinks&)>& replay, const std::function<void(double)>& progress) {
   ProductWriter writer(directory_, recording_.configuration.output.map_spacing_m);
-  run_ = replay(recording_, {[&](const ScanRecord& record, const scan::DeskewedScan& scan) { writer.add(record, scan); }, progress});
+  run_ = replay({[&](const ScanRecord& record, const scan::DeskewedScan& scan) { writer.add(record, scan); }, progress});
   writer.close();
   map_points_ = writer.picture_points();
+}
+
+void Session::run(const std::function<void(double)>& progress) {
+  run_with([&](const Sinks& sinks) { return replay(recording_, sinks); }, progress);
+}
+
+void Session::run(PacketSource& source, const evaluation::Trajectory& truth, const std::function<void(double)>& progress) {
+  truth_ = truth;
+  run_with([&](const Sinks& sinks) { return replay(recording_.configuration, source, sinks); }, progress);
 }
 
 void Session::compare(const std::string& filter, const std::function<void(double)>& progress) {

@@ -19,6 +19,9 @@ class Session {
   /// Maps the recording; writes odometry.tum, trajectory.tum and map.ply. Errors: RecordingError.
   void run(const std::function<void(double)>& progress);
 
+  /// Maps what a source gives in place of a recording's packets, against its truth; writes the same.
+  void run(PacketSource& source, const evaluation::Trajectory& truth, const std::function<void(double)>& progress);
+
   /// Runs another filter on the same recording; writes odometry-<filter>.tum.
   void compare(const std::string& filter, const std::function<void(double)>& progress);
 
@@ -33,6 +36,7 @@ class Session {
 
  private:
   std::string filter_name() const;
+  void run_with(const std::function<Run(const Sinks&)>& replay, const std::function<void(double)>& progress);
 
   Recording recording_;
   std::filesystem::path directory_;

@@ -1,36 +1,49 @@
 #pragma once
 
+#include "tools/simulate/beam.hpp"
 #include "tools/simulate/inertial_sensor.hpp"
+#include "tools/simulate/motion.hpp"
 #include "tools/simulate/risley.hpp"
-#include "tools/simulate/spinning_lidar.hpp"
+#include "tools/simulate/sent_packet.hpp"
 
 namespace slamd::simulate {
 
-/// A Livox Avia in single-return mode: SDK1 packets of type 2, 96 firings each, each ray cast at its own time; and its
-/// own inertial sensor in packets of type 6. Its clock counts from power-up.
-class LivoxLidar {
+/// Which echoes an Avia sends.
+enum class LivoxReturns { kFirst, kStrongest, kDual, kTriple };
+
+/// A Livox Avia: SDK1 packets of cartesian points (data types 2, 4 and 7), each shot cast at its own time; and its own
+/// inertial sensor in packets of type 6. Its clock counts from power-up.
+class LivoxLidar : public PacketMaker {
  public:
   LivoxLidar(const World& world, const Motion& motion, const geometry::Se3& T_base_lidar, const RangeErrors& errors,
-             std::uint64_t seed);
+             std::uint64_t seed, LivoxReturns returns = LivoxReturns::kFirst);
 
-  static constexpr double kPacket_s = 400e-6;
+  static constexpr double kFirings_hz = 240'000.0;
   static constexpr std::uint64_t kPowerUp_ns = 47'123'456'789;  // before the drive began
   static constexpr std::uint16_t kPort = 56001;
 
-  /// Makes point packet number `index`; thread-safe, and the same whatever was made before.
+  SentPacket packet(std::uint64_t index) const override { return point_packet(index); }
   SentPacket point_packet(std::uint64_t index) const;
+  double packet_s() const override { return static_cast<double>(shots()) / kFirings_hz; }
+  std::uint64_t shots() const override { return echoes() == 1 ? 96 : echoes() == 2 ? 48 : 30; }
 
   /// Wraps a sample of the built-in sensor.
   SentPacket imu_packet(double t_s, const InertialReading& reading) const;
 
- private:
-  std::vector<std::byte> header(double t_s, std::uint8_t data_type, std::size_t bytes) const;
+  /// The built-in sensor's place; its axes are the lidar's.
+  static geometry::Se3 T_lidar_imu() { return {Eigen::Matrix3d::Identity(), {-0.04165, -0.02326, 0.0284}}; }
 
-  const World& world_;
+ private:
+  std::uint64_t echoes() const {
+    return returns_ == LivoxReturns::kTriple ? 3 : returns_ == LivoxReturns::kDual ? 2 : 1;
+  }
+  SentPacket packet_with_header(double t_s, std::uint8_t data_type, std::size_t bytes) const;
+
   const Motion& motion_;
   geometry::Se3 T_base_lidar_;
-  RangeErrors errors_;
   Noise noise_;
+  Beam beam_;
+  LivoxReturns returns_;
   Risley pattern_;
   double line_bias_m_[6];
 };

@@ -1,59 +1,109 @@
 #include <cstdio>
 #include <filesystem>
+#include <fstream>
 #include <string>
 
 #include <CLI/CLI.hpp>
 
 #include "tools/cli/cli.hpp"
+#include "tools/replay/session.hpp"
+#include "tools/simulate/fault_options.hpp"
+#include "tools/simulate/options.hpp"
+#include "tools/simulate/preview.hpp"
 #include "tools/simulate/simulate.hpp"
+#include "tools/simulate/simulated_source.hpp"
 
 namespace {
 
 namespace fs = std::filesystem;
 using namespace slamd;
 
-struct Options {
-  simulate::Drive drive;
-  std::string world = "town";
-  std::string lidar = "vlp16";
-  std::string out;
-  bool force = false;
-};
-
-void declare(CLI::App& app, Options& options) {
-  app.add_option("--out", options.out, "Directory of the recording to be made")->required();
-  app.add_option("--world", options.world, "Where to drive")->check(CLI::IsMember({"town"}))->capture_default_str();
-  app.add_option("--lidar", options.lidar, "Sensor")->check(CLI::IsMember({"vlp16", "livox_avia"}))->capture_default_str();
-  app.add_option("--seed", options.drive.seed, "Of world, tour and noise")->capture_default_str();
-  app.add_option("--duration", options.drive.duration_s, "Length of the drive, s")->check(CLI::Range(5.0, 3600.0))->capture_default_str();
-  app.add_option("--speed", options.drive.speed_mps, "Pace, m/s")->check(CLI::Range(0.1, 10.0))->capture_default_str();
-  app.add_option("--rest", options.drive.rest_s, "Standing still at the start, s")->check(CLI::Range(0.0, 60.0))->capture_default_str();
-  app.add_option("--imu-rate", options.drive.imu_rate_hz, "Of the external inertial sensor, Hz")->check(CLI::Range(50.0, 1000.0))->capture_default_str();
-  app.add_option("--threads", options.drive.threads, "Of the ray casting; any number gives the same bytes")->check(CLI::Range(1, 64))->capture_default_str();
-  app.add_flag("--force", options.force, "Write into a directory that is not empty");
+/// Makes the directory of what is to be written. Errors: UsageError when it holds something already.
+void make_directory(const std::string& out, bool force) {
+  if (out.empty()) {
+    throw cli::UsageError("--out DIR is required (try --help)");
+  }
+  if (fs::exists(out) && (!fs::is_directory(out) || (!fs::is_empty(out) && !force))) {
+    throw cli::UsageError(out + ": is not empty (--force writes into it all the same)");
+  }
+  fs::create_directories(out);
 }
 
-int run(Options& options) {
-  options.drive.lidar = options.lidar == "vlp16" ? simulate::LidarKind::kVlp16 : simulate::LidarKind::kLivoxAvia;
-  if (fs::exists(options.out) && (!fs::is_directory(options.out) || (!fs::is_empty(options.out) && !options.force))) {
-    throw cli::UsageError(options.out + ": is not empty (--force writes into it all the same)");
+/// Writes the picture that --preview asks for.
+void write_preview(const simulate::Drive& drive, const std::string& file) {
+  const std::vector<std::byte> png = plot::png_of(simulate::preview_of(simulate::Scene(drive)));
+  std::ofstream stream(file, std::ios::binary);
+  stream.write(reinterpret_cast<const char*>(png.data()), static_cast<std::streamsize>(png.size()));
+  if (!stream.flush()) {
+    throw std::runtime_error(file + ": cannot be written");
   }
-  fs::create_directories(options.out);
+}
+
+/// Maps a drive without writing it.
+int run_replay(const simulate::Drive& drive, const std::string& out) {
+  const simulate::Scene scene(drive);
+  simulate::SimulatedSource source(scene);
+  replay::Recording recording;
+  recording.name = out;
+  recording.configuration = simulate::configuration_of(drive, {});
+  replay::Session session(std::move(recording), out);
+  {
+    cli::Progress progress("simulating and mapping");
+    session.run(source, simulate::truth_of(scene.motion()), [&](double share) { progress.show(share); });
+  }
+  session.write_reports();
+  std::fputs(session.summary().c_str(), stdout);
+  return 0;
+}
+
+int run_simulation(const simulate::Options& options) {
+  const simulate::Drive drive = drive_of(options);
+  if (!options.preview.empty()) {
+    write_preview(drive, options.preview);
+    if (options.out.empty()) {
+      return 0;
+    }
+  }
+  make_directory(options.out, options.force);
+  if (options.replay) {
+    return run_replay(drive, options.out);
+  }
   simulate::Summary summary;
   {
     cli::Progress progress("simulating");
-    summary = simulate::simulate(options.drive, options.out, [&](double share) { progress.show(share); });
+    summary = simulate::simulate(drive, options.out, [&](double share) { progress.show(share); });
   }
-  std::printf("%s: %s in town %llu, %.0f s, %.0f m, %llu packets, %.1f million rays\n", options.out.c_str(), options.lidar.c_str(),
-              static_cast<unsigned long long>(options.drive.seed), options.drive.duration_s, summary.path_m,
+  std::printf("%s: %s in %s %llu, %.0f s, %.0f m, %llu packets, %.1f million rays\n", options.out.c_str(),
+              options.lidar.c_str(), drive.mesh.empty() ? drive.world.c_str() : drive.mesh.c_str(),
+              static_cast<unsigned long long>(drive.seed), drive.duration_s, summary.path_m,
               static_cast<unsigned long long>(summary.packets), 1e-6 * static_cast<double>(summary.rays));
+  return 0;
+}
+
+int run_faults(const simulate::FaultOptions& options) {
+  const simulate::Faults faults = faults_of(options);
+  make_directory(options.out, options.force);
+  simulate::FaultCounts counts;
+  {
+    cli::Progress progress("damaging");
+    counts = simulate::inject_faults(options.in, options.out, faults, [&](double share) { progress.show(share); });
+  }
+  std::fputs(simulate::faults_json(faults, counts).c_str(), stdout);
   return 0;
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  Options options;
-  return cli::run_program(argc, argv, "slamd-simulate", "Simulates a drive with exact truth as a recording of raw packets.",
-                          [&](CLI::App& app) { declare(app, options); }, [&] { return run(options); });
+  simulate::Options options;
+  simulate::FaultOptions fault_options;
+  CLI::App* faults = nullptr;
+  return cli::run_program(
+      argc, argv, "slamd-simulate", "Simulates a drive with exact truth as a recording of raw packets.",
+      [&](CLI::App& app) {
+        declare(app, options);
+        faults = app.add_subcommand("faults", "Damages a copy of any recording");
+        declare(*faults, fault_options);
+      },
+      [&] { return faults->parsed() ? run_faults(fault_options) : run_simulation(options); });
 }

@@ -34,11 +34,19 @@ Motion::Motion(std::vector<Channels> control_points, double knot_s)
       knot_s_(knot_s),
       duration_s_(knot_s * (static_cast<double>(points_.size()) - 6.0)) {}
 
+void Motion::vibrate(const Vibration& vibration, std::vector<double> strength) {
+  vibration_ = vibration;
+  strength_ = std::move(strength);
+  strength_.resize(points_.size(), 0.0);
+}
+
 void Motion::evaluate(double t_s, int derivatives, Channels (&out)[3]) const {
-  const double place = std::clamp(t_s, 0.0, duration_s_) / knot_s_;
+  const double clamped = std::clamp(t_s, 0.0, duration_s_);
+  const double place = clamped / knot_s_;
   const std::size_t first = std::min(static_cast<std::size_t>(place), points_.size() - 6);
   const double u = place - static_cast<double>(first);
   double scale = 1.0;
+  double strength[3] = {};
   for (int order = 0; order <= derivatives; ++order, scale /= knot_s_) {
     const std::array<double, 6> w = weights(u, order);
     for (std::size_t channel = 0; channel < 6; ++channel) {
@@ -47,6 +55,28 @@ void Motion::evaluate(double t_s, int derivatives, Channels (&out)[3]) const {
         sum += w[i] * points_[first + i][channel];
       }
       out[order][channel] = scale * sum;
+    }
+    for (std::size_t i = 0; i < 6 && !strength_.empty(); ++i) {
+      strength[order] += scale * w[i] * strength_[first + i];
+    }
+  }
+  if (!strength_.empty()) {
+    add_vibration(clamped, derivatives, strength, out);
+  }
+}
+
+void Motion::add_vibration(double t_s, int derivatives, const double (&strength)[3], Channels (&out)[3]) const {
+  for (const Vibration::Mode& mode : vibration_.modes) {
+    const double w = mode.rate_radps;
+    const double s = std::sin(w * t_s + mode.phase_rad);
+    const double c = w * std::cos(w * t_s + mode.phase_rad);
+    // The product of strength and sine, and its derivatives.
+    const double shape[3] = {strength[0] * s, strength[1] * s + strength[0] * c,
+                             strength[2] * s + 2.0 * strength[1] * c - strength[0] * w * w * s};
+    for (int order = 0; order <= derivatives; ++order) {
+      for (std::size_t channel = 0; channel < 6; ++channel) {
+        out[order][channel] += mode.amplitude[channel] * shape[order];
+      }
     }
   }
 }
@@ -75,6 +105,20 @@ MotionState Motion::at(double t_s) const {
                            pitch_rate * std::cos(roll) + yaw_rate * std::sin(roll) * std::cos(pitch),
                            -pitch_rate * std::sin(roll) + yaw_rate * std::cos(roll) * std::cos(pitch)};
   return state;
+}
+
+ShortMotion::ShortMotion(const Motion& motion, double t_s) : state_(motion.at(t_s)) {}
+
+geometry::Se3 ShortMotion::pose_after(double dt_s) const {
+  const Eigen::Vector3d phi = state_.rate_base_radps * dt_s;
+  Eigen::Matrix3d turn;  // Exp(phi) to second order
+  turn << 1.0 - 0.5 * (phi.y() * phi.y() + phi.z() * phi.z()), 0.5 * phi.x() * phi.y() - phi.z(),
+      0.5 * phi.x() * phi.z() + phi.y(), 0.5 * phi.x() * phi.y() + phi.z(),
+      1.0 - 0.5 * (phi.x() * phi.x() + phi.z() * phi.z()), 0.5 * phi.y() * phi.z() - phi.x(),
+      0.5 * phi.x() * phi.z() - phi.y(), 0.5 * phi.y() * phi.z() + phi.x(),
+      1.0 - 0.5 * (phi.x() * phi.x() + phi.y() * phi.y());
+  return {state_.T_world_base.rotation() * turn, state_.T_world_base.translation() + dt_s * state_.velocity_mps +
+                                                     0.5 * dt_s * dt_s * state_.acceleration_mps2};
 }
 
 }  // namespace slamd::simulate

@@ -1,26 +1,10 @@
-#include "tools/simulate/town.hpp"
-
 #include <algorithm>
 #include <cmath>
 
+#include "tools/simulate/scenery.hpp"
+#include "tools/simulate/waves.hpp"
+
 namespace slamd::simulate {
-
-Road::Road(const Noise& noise) {
-  for (std::uint64_t i = 0; i < waves_.size(); ++i) {
-    const double length = noise.uniform(900 + i, 35.0, 120.0);
-    const double heading = noise.uniform(910 + i, 0.0, 2.0 * M_PI);
-    waves_[i] = {0.0016 * length, 2.0 * M_PI * std::cos(heading) / length, 2.0 * M_PI * std::sin(heading) / length,
-                 noise.uniform(920 + i, 0.0, 2.0 * M_PI)};
-  }
-}
-
-double Road::height(double x, double y) const {
-  double z = 0.0;
-  for (const Wave& wave : waves_) {
-    z += wave.amplitude * std::sin(wave.kx * x + wave.ky * y + wave.phase);
-  }
-  return z;
-}
 
 namespace {
 
@@ -30,7 +14,6 @@ constexpr double kSidewalk_m = 2.5;
 constexpr double kKerb_m = 0.12;
 constexpr int kStreets = 5;             // in each direction
 constexpr double kMargin_m = 30.0;
-constexpr double kKnot_s = 0.05;
 
 std::vector<double> street_lines(const Noise& noise, std::uint64_t stream) {
   std::vector<double> lines;
@@ -48,42 +31,77 @@ double distance_to_nearest(const std::vector<double>& lines, double v) {
   return best;
 }
 
+/// Where the ground has its steps: on both sides of each street.
+std::vector<double> kerbs(const std::vector<double>& lines) {
+  std::vector<double> breaks;
+  for (const double line : lines) {
+    breaks.push_back(line - kHalfRoad_m);
+    breaks.push_back(line + kHalfRoad_m);
+  }
+  return breaks;
+}
+
 /// Road, kerb and sidewalk.
-double ground_height(const Road& road, const std::vector<double>& xs, const std::vector<double>& ys, double x, double y) {
+double ground_height(const Waves& road, const std::vector<double>& xs, const std::vector<double>& ys, double x,
+                     double y) {
   const bool on_road = distance_to_nearest(xs, x) < kHalfRoad_m || distance_to_nearest(ys, y) < kHalfRoad_m;
   return road.height(x, y) + (on_road ? 0.0 : kKerb_m);
 }
 
-/// Smooths a line of points by repeated three-point means; the ends stay.
-void smooth(std::vector<Eigen::Vector2d>& points, int passes) {
-  std::vector<Eigen::Vector2d> next = points;
-  for (int pass = 0; pass < passes; ++pass) {
-    for (std::size_t i = 1; i + 1 < points.size(); ++i) {
-      next[i] = 0.25 * points[i - 1] + 0.5 * points[i] + 0.25 * points[i + 1];
-    }
-    points.swap(next);
-  }
-}
+class TownBuilder {
+ public:
+  explicit TownBuilder(std::uint64_t seed);
+
+  Scenery build(std::uint64_t seed, const Extras& extras);
+
+ private:
+  void add_block(int column, int row);
+  void add_building(const Eigen::Vector2d& centre, const Eigen::Vector2d& half, std::uint64_t index);
+  void add_facade(const Eigen::Vector2d& from, const Eigen::Vector2d& to, double top_m, double bottom_m,
+                  std::uint64_t index);
+  void add_street_side(const Eigen::Vector2d& from, const Eigen::Vector2d& to, std::uint64_t index);
+
+  Noise noise_;
+  std::vector<double> streets_x_;  // centre lines of the streets that run along y
+  std::vector<double> streets_y_;
+  Waves road_;
+  World world_;
+};
 
 }  // namespace
 
-Town::Town(std::uint64_t seed)
-    : seed_(seed),
-      noise_(seed, 1),
+TownBuilder::TownBuilder(std::uint64_t seed)
+    : noise_(seed, 1),
       streets_x_(street_lines(noise_, 10)),
       streets_y_(street_lines(noise_, 20)),
-      road_(noise_),
-      world_([road = road_, xs = streets_x_, ys = streets_y_](double x, double y) { return ground_height(road, xs, ys, x, y); },
-             {2.0 * kMargin_m + kPitch_m * (kStreets - 1), 2.0 * kMargin_m + kPitch_m * (kStreets - 1)}, seed) {
+      road_(noise_, 35.0, 120.0, 2.0 * M_PI * 0.0016),
+      world_([road = road_, xs = streets_x_, ys = streets_y_](double x,
+                                                              double y) { return ground_height(road, xs, ys, x, y); },
+             {2.0 * kMargin_m + kPitch_m * (kStreets - 1), 2.0 * kMargin_m + kPitch_m * (kStreets - 1)}, seed,
+             {kerbs(streets_x_), kerbs(streets_y_)}) {
   for (int column = -1; column < kStreets; ++column) {
     for (int row = -1; row < kStreets; ++row) {
       add_block(column, row);
     }
   }
-  world_.build();
 }
 
-void Town::add_block(int column, int row) {
+Scenery TownBuilder::build(std::uint64_t seed, const Extras& extras) {
+  // Corners of the tour as street numbers; it crosses and repeats itself in both directions before it closes.
+  const std::vector<std::pair<std::size_t, std::size_t>> crossings{
+      {1, 1}, {2, 1}, {2, 2}, {1, 2}, {1, 1}, {1, 3}, {3, 3}, {3, 2}, {2, 2}, {2, 1}, {3, 1}, {3, 2}, {1, 2}, {1, 1}};
+  Route route;
+  for (const auto& [x, y] : crossings) {
+    route.corners.emplace_back(streets_x_[x], streets_y_[y]);
+  }
+  route.bend_m = 2.83;  // bends of some 4 m radius
+  route.floor = [road = road_](double x, double y) { return road.height(x, y); };
+  add_traffic(world_, route.corners, extras, noise_);
+  world_.build();
+  return {std::move(world_), std::move(route), seed};
+}
+
+void TownBuilder::add_block(int column, int row) {
   const double setback = kHalfRoad_m + kSidewalk_m;
   const auto edge = [&](const std::vector<double>& lines, int i, double extent) {
     return i < 0 ? 0.0 : (i >= kStreets ? extent : lines[static_cast<std::size_t>(i)] );
@@ -102,7 +120,8 @@ void Town::add_block(int column, int row) {
       const double back = noise_.uniform(house + 33, 0.0, 2.5);
       const double y = side == 0 ? south + back + 0.5 * depth : north - back - 0.5 * depth;
       add_building({x + 0.5 * width, y}, {0.5 * width, 0.5 * depth}, house);
-      x += width + (noise_.uniform(house + 44) < 0.5 ? noise_.uniform(house + 55, 0.0, 0.3) : noise_.uniform(house + 66, 2.0, 6.0));
+      x += width + (noise_.uniform(house + 44) < 0.5 ? noise_.uniform(house + 55, 0.0, 0.3)
+                                                     : noise_.uniform(house + 66, 2.0, 6.0));
     }
   }
   add_street_side({west, south - kSidewalk_m}, {east, south - kSidewalk_m}, index + 300);
@@ -115,11 +134,14 @@ void Town::add_block(int column, int row) {
   }
 }
 
-void Town::add_building(const Eigen::Vector2d& centre, const Eigen::Vector2d& half, std::uint64_t index) {
+void TownBuilder::add_building(const Eigen::Vector2d& centre, const Eigen::Vector2d& half, std::uint64_t index) {
   const double ground = world_.ground(centre.x(), centre.y());
   const double height = noise_.uniform(index + 77, 4.0, 13.0);
   const Reflectivity reflectivity = static_cast<Reflectivity>(noise_.uniform(index + 78, 0.25, 0.7));
-  world_.add(OrientedBox{{centre.x(), centre.y(), ground + 0.5 * height - 1.0}, {half.x(), half.y(), 0.5 * height + 1.0}, 0.0, reflectivity});
+  world_.add(OrientedBox{{centre.x(), centre.y(), ground + 0.5 * height - 1.0},
+                         {half.x(), half.y(), 0.5 * height + 1.0},
+                         0.0,
+                         reflectivity});
   const Eigen::Vector2d a = centre - half;
   const Eigen::Vector2d b = centre + half;
   add_facade({a.x(), a.y()}, {b.x(), a.y()}, ground + height, ground, index + 1'000'000);
@@ -128,7 +150,8 @@ void Town::add_building(const Eigen::Vector2d& centre, const Eigen::Vector2d& ha
   add_facade({a.x(), b.y()}, {a.x(), a.y()}, ground + height, ground, index + 4'000'000);
 }
 
-void Town::add_facade(const Eigen::Vector2d& from, const Eigen::Vector2d& to, double top_m, double bottom_m, std::uint64_t index) {
+void TownBuilder::add_facade(const Eigen::Vector2d& from, const Eigen::Vector2d& to, double top_m, double bottom_m,
+                             std::uint64_t index) {
   const Eigen::Vector2d along = (to - from).normalized();
   const Eigen::Vector2d outward(along.y(), -along.x());
   const double yaw = std::atan2(along.y(), along.x());
@@ -140,7 +163,10 @@ void Town::add_facade(const Eigen::Vector2d& from, const Eigen::Vector2d& to, do
     // A pilaster between the bays, and sills and lintels that frame each window.
     const double depth = noise_.uniform(item + 2, 0.08, 0.3);
     const Eigen::Vector2d pilaster = from + i * bay * along + 0.5 * depth * outward;
-    world_.add(OrientedBox{{pilaster.x(), pilaster.y(), 0.5 * (top_m + bottom_m)}, {0.2, 0.5 * depth, 0.5 * (top_m - bottom_m)}, yaw, 0.45F});
+    world_.add(OrientedBox{{pilaster.x(), pilaster.y(), 0.5 * (top_m + bottom_m)},
+                           {0.2, 0.5 * depth, 0.5 * (top_m - bottom_m)},
+                           yaw,
+                           0.45F});
     for (double floor = bottom_m + 0.9; floor + 2.0 < top_m; floor += 3.0) {
       const Eigen::Vector2d sill = middle + 0.1 * outward;
       world_.add(OrientedBox{{sill.x(), sill.y(), floor}, {0.6, 0.1, 0.06}, yaw, 0.55F});
@@ -154,7 +180,7 @@ void Town::add_facade(const Eigen::Vector2d& from, const Eigen::Vector2d& to, do
   }
 }
 
-void Town::add_street_side(const Eigen::Vector2d& from, const Eigen::Vector2d& to, std::uint64_t index) {
+void TownBuilder::add_street_side(const Eigen::Vector2d& from, const Eigen::Vector2d& to, std::uint64_t index) {
   // `from`–`to` runs along the kerb, the road on its right.
   const Eigen::Vector2d along = (to - from).normalized();
   const Eigen::Vector2d to_road(along.y(), -along.x());
@@ -175,12 +201,15 @@ void Town::add_street_side(const Eigen::Vector2d& from, const Eigen::Vector2d& t
       const Eigen::Vector2d tree = kerb - 0.9 * to_road;
       const double trunk = noise_.uniform(index * 7 + 1, 2.0, 3.0);
       const double radius = noise_.uniform(index * 7 + 2, 1.1, 2.0);
-      world_.add(Cylinder{tree, noise_.uniform(index * 7 + 3, 0.08, 0.2), ground - 0.5, ground + trunk + 0.5 * radius, 0.3F});
-      world_.add(Crown{{tree.x(), tree.y(), ground + trunk + radius}, radius, noise_.uniform(index * 7 + 4, 0.7, 1.8), 0.25F});
+      world_.add(
+          Cylinder{tree, noise_.uniform(index * 7 + 3, 0.08, 0.2), ground - 0.5, ground + trunk + 0.5 * radius, 0.3F});
+      world_.add(
+          Crown{{tree.x(), tree.y(), ground + trunk + radius}, radius, noise_.uniform(index * 7 + 4, 0.7, 1.8), 0.25F});
       s += 3.0;
     } else if (draw < 0.19) {  // a lamp, or a sign
       const Eigen::Vector2d pole = kerb - 0.4 * to_road;
-      world_.add(Cylinder{pole, noise_.uniform(index * 7 + 1, 0.04, 0.1), ground - 0.5, ground + noise_.uniform(index * 7 + 2, 2.5, 6.0), 0.5F});
+      world_.add(Cylinder{pole, noise_.uniform(index * 7 + 1, 0.04, 0.1), ground - 0.5,
+                          ground + noise_.uniform(index * 7 + 2, 2.5, 6.0), 0.5F});
       if (draw > 0.17) {
         world_.add(OrientedBox{{pole.x(), pole.y(), ground + 2.3}, {0.35, 0.02, 0.25}, yaw + M_PI_2, 0.9F});
       }
@@ -189,69 +218,6 @@ void Town::add_street_side(const Eigen::Vector2d& from, const Eigen::Vector2d& t
   }
 }
 
-std::vector<Eigen::Vector2d> Town::centre_line(double length_m) const {
-  // Corners of the tour as street numbers; it crosses and repeats itself in both directions before it closes.
-  const std::vector<std::pair<int, int>> corners{{1, 1}, {2, 1}, {2, 2}, {1, 2}, {1, 1}, {1, 3}, {3, 3}, {3, 2},
-                                                 {2, 2}, {2, 1}, {3, 1}, {3, 2}, {1, 2}, {1, 1}};
-  std::vector<Eigen::Vector2d> line;
-  const auto corner = [&](std::size_t i) {
-    const auto [x, y] = corners[i % (corners.size() - 1)];
-    return Eigen::Vector2d(streets_x_[static_cast<std::size_t>(x)], streets_y_[static_cast<std::size_t>(y)]);
-  };
-  double length = 0.0;
-  for (std::size_t i = 0; length < length_m; ++i) {
-    const Eigen::Vector2d from = corner(i);
-    const Eigen::Vector2d to = corner(i + 1);
-    const int pieces = static_cast<int>((to - from).norm() / 0.1);
-    for (int k = 0; k < pieces && length < length_m; ++k, length += 0.1) {
-      line.push_back(from + (to - from) * (static_cast<double>(k) / pieces));
-    }
-  }
-  smooth(line, 1600);  // bends of some 4 m radius
-  return line;
-}
-
-Motion Town::tour(double duration_s, double speed_mps, double rest_s, double height_m) const {
-  const std::vector<Eigen::Vector2d> line = centre_line(duration_s * speed_mps + 50.0);
-  const Noise bumps(seed_, 3);
-  const auto heading_at = [&](double s) {
-    const auto i = std::min(static_cast<std::size_t>(s / 0.1), line.size() - 12);
-    const Eigen::Vector2d d = line[i + 10] - line[i];
-    return std::atan2(d.y(), d.x());
-  };
-  std::vector<Motion::Channels> points;
-  double s = 2.0;
-  double speed = 0.0;
-  double yaw = heading_at(s);
-  double pitch = 0.0;
-  double roll = 0.0;
-  bool first = true;
-  for (int k = 0; k * kKnot_s < duration_s + 10.0 * kKnot_s; ++k) {
-    const double t = k * kKnot_s;
-    const bool stopping = t < rest_s || t > duration_s - 2.0 || (std::fmod(t, 75.0) > 60.0 && std::fmod(t, 75.0) < 64.0);
-    const double bend = std::abs(std::remainder(heading_at(s + 3.0) - heading_at(s), 2.0 * M_PI)) / 3.0;
-    const double wanted = stopping ? 0.0 : std::min(speed_mps * (1.0 + 0.15 * std::sin(0.21 * t)), 0.7 / (bend + 1e-3));
-    speed += std::clamp(wanted - speed, -1.0 * kKnot_s, 0.8 * kKnot_s);
-    s += speed * kKnot_s;
-    const auto i = std::min(static_cast<std::size_t>(s / 0.1), line.size() - 12);
-    const double share = s / 0.1 - static_cast<double>(i);
-    const Eigen::Vector2d p = line[i] + share * (line[i + 1] - line[i]);
-    yaw += std::remainder(heading_at(s) - yaw, 2.0 * M_PI) * (speed > 0.02 ? std::min(1.0, 3.0 * kKnot_s * (speed + 0.5)) : 0.0);
-    const auto road = [&](double ahead, double left) {
-      return road_.height(p.x() + ahead * std::cos(yaw) - left * std::sin(yaw), p.y() + ahead * std::sin(yaw) + left * std::cos(yaw));
-    };
-    // Suspension: the body follows the slope with a lag; the road shakes it a little while it moves.
-    const double shake = std::min(1.0, speed);
-    const double slope_pitch = -(road(0.4, 0.0) - road(-0.4, 0.0)) / 0.8;
-    const double slope_roll = (road(0.0, 0.3) - road(0.0, -0.3)) / 0.6;
-    const auto number = static_cast<std::uint64_t>(k);
-    const double gain = first ? 1.0 : 0.2;
-    pitch += gain * (slope_pitch + 0.004 * shake * bumps.normal(3 * number) - pitch);
-    roll += gain * (slope_roll + 0.004 * shake * bumps.normal(3 * number + 1) - roll);
-    first = false;
-    points.push_back({p.x(), p.y(), road(0.0, 0.0) + height_m + 0.002 * shake * bumps.normal(3 * number + 2), yaw, pitch, roll});
-  }
-  return {points, kKnot_s};
-}
+Scenery make_town(std::uint64_t seed, const Extras& extras) { return TownBuilder(seed).build(seed, extras); }
 
 }  // namespace slamd::simulate

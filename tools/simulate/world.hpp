@@ -6,111 +6,76 @@
 
 #include <Eigen/Core>
 
+#include "tools/simulate/bvh.hpp"
+#include "tools/simulate/height_field.hpp"
+#include "tools/simulate/mover.hpp"
 #include "tools/simulate/noise.hpp"
+#include "tools/simulate/surfaces.hpp"
 
 namespace slamd::simulate {
 
-/// What a surface is made of, as far as a LiDAR can tell: share of the light that comes back.
-using Reflectivity = float;
-
-/// A box that stands upright, turned about the vertical.
-struct OrientedBox {
-  Eigen::Vector3d centre;
-  Eigen::Vector3d half;
-  double yaw_rad = 0.0;
-  Reflectivity reflectivity = 0.4F;
-};
-
-/// An upright cylinder: poles and trunks.
-struct Cylinder {
-  Eigen::Vector2d centre;
-  double radius = 0.1;
-  double bottom = 0.0;
-  double top = 5.0;
-  Reflectivity reflectivity = 0.4F;
-};
-
-/// A tree's crown: a ball of leaves that lets a part of the light through.
-struct Crown {
-  Eigen::Vector3d centre;
-  double radius = 2.0;
-  double free_path_m = 1.2;  // mean length of a ray between leaves
-  Reflectivity reflectivity = 0.25F;
-};
-
-/// Where a ray ends.
-struct Hit {
-  double range_m = 0.0;
-  double cos_incidence = 1.0;
-  Reflectivity reflectivity = 0.0F;
-};
-
-/// A static world of ground, boxes, cylinders and crowns, with a grid over the plan for fast ray casting.
+/// A world of ground, boxes, cylinders, crowns and triangles in a tree of bounds, and of movers, for fast ray casting.
 /// Frames: world, z up.  Units: m.
 class World {
  public:
-  /// `ground` gives the height at (x, y); it may have steps (kerbs). The world spans [0, extent] in x and y.
-  World(std::function<double(double, double)> ground, Eigen::Vector2d extent_m, std::uint64_t seed);
+  /// `ground` gives the height at (x, y), steps (kerbs) only at the breaks; it is kept as patches of `spacing_m`.
+  /// The ground spans [0, extent] in x and y.
+  World(const std::function<double(double, double)>& ground, Eigen::Vector2d extent_m, std::uint64_t seed,
+        const HeightField::Breaks& breaks = {}, double spacing_m = 1.0);
 
-  void add(const OrientedBox& box);
-  void add(const Cylinder& cylinder);
-  void add(const Crown& crown);
+  void add(const OrientedBox& box) { boxes_.push_back(box); }
+  void add(const Cylinder& cylinder) { cylinders_.push_back(cylinder); }
+  void add(const Crown& crown) { crowns_.push_back(crown); }
+  void add(const Triangle& triangle) { triangles_.push_back(triangle); }
+  void add(Mover mover);
 
-  /// Sorts everything into the grid; call it once, after the last add.
+  /// The moment at which there are no movers.
+  static constexpr double kStandingOnly = -1.0;
+
+  /// Sorts everything into the tree; call it once, after the last add.
   void build();
 
-  /// Casts a ray; `ray` numbers it, so that leaves are hit or missed the same way every time.
+  /// Casts a ray at a moment; `ray` numbers it, so that leaves are hit or missed the same way every time.
   /// Returns false when nothing is met within max_range_m.
   bool cast(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction, double max_range_m, std::uint64_t ray,
-            Hit& hit) const;
+            Hit& hit, double t_s = 0.0) const;
 
   /// The same by trying everything: what cast is tested against.
   bool cast_brute_force(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction, double max_range_m,
-                        std::uint64_t ray, Hit& hit) const;
+                        std::uint64_t ray, Hit& hit, double t_s = 0.0) const;
 
-  double ground(double x, double y) const { return ground_(x, y); }
+  double ground(double x, double y) const { return ground_.height(x, y); }
   const std::vector<OrientedBox>& boxes() const { return boxes_; }
   const std::vector<Cylinder>& cylinders() const { return cylinders_; }
   const std::vector<Crown>& crowns() const { return crowns_; }
+  const std::vector<Triangle>& triangles() const { return triangles_; }
+  const std::vector<Mover>& movers() const { return movers_; }
   const Eigen::Vector2d& extent_m() const { return extent_m_; }
 
  private:
-  static constexpr double kCell_m = 4.0;
-  enum class Kind : std::uint8_t { kBox, kCylinder, kCrown };
-  struct Item {
+  enum class Kind : std::uint8_t { kBox, kCylinder, kCrown, kTriangle };
+  struct Thing {
     Kind kind;
     std::uint32_t index;
   };
-  struct Turn {
-    double cosine;
-    double sine;
-    double radius_sq;  // in the plan, of the circle around the box
-  };
-  struct Ray {
-    Eigen::Vector3d origin;
-    Eigen::Vector3d direction;
-    std::uint64_t number;
-  };
 
-  void insert(Kind kind, std::uint32_t index, double x, double y, double radius);
-  void try_item(const Item& item, const Ray& ray, Hit& best) const;
-  void try_box(const OrientedBox& box, const Turn& turn, const Ray& ray, Hit& best) const;
-  void try_cylinder(const Cylinder& cylinder, const Ray& ray, Hit& best) const;
-  void try_crown(const Crown& crown, std::uint32_t index, const Ray& ray, Hit& best) const;
-  void try_ground(const Ray& ray, double from, double to, Hit& best) const;
+  Bounds bounds_of(const Thing& thing) const;
+  void sort_things();
+  void try_thing(std::uint32_t index, const Ray& ray, Hit& best) const;
+  void try_movers(const Ray& ray, double t_s, Hit& best) const;
 
-  std::function<double(double, double)> ground_;
+  HeightField ground_;
   Eigen::Vector2d extent_m_;
   Noise leaves_;
-  double highest_m_ = 0.0;  // of anything
   std::vector<OrientedBox> boxes_;
-  std::vector<Turn> turns_;  // of each box
+  std::vector<Eigen::Vector2d> turns_;  // cosine and sine of each box's yaw
   std::vector<Cylinder> cylinders_;
   std::vector<Crown> crowns_;
-  int columns_ = 0;
-  int rows_ = 0;
-  std::vector<std::vector<Item>> cells_;
-  std::vector<double> cell_top_m_;  // highest ground in each cell
+  std::vector<Triangle> triangles_;
+  std::vector<Mover> movers_;
+  std::vector<double> mover_radius_m_;  // of a circle in the plan
+  std::vector<Thing> things_;
+  Bvh tree_;
 };
 
 }  // namespace slamd::simulate

@@ -1,0 +1,79 @@
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+
+#include "tools/bench/campaign_page.hpp"
+#include "tools/bench/ray_speed.hpp"
+#include "tools/cli/cli.hpp"
+
+namespace {
+
+namespace fs = std::filesystem;
+using namespace slamd;
+
+struct Options {
+  std::string size;
+  std::string out;
+  std::vector<std::string> overrides;
+  std::uint64_t seed = 1;
+};
+
+void write(const std::string& text, const fs::path& file) {
+  std::ofstream stream(file);
+  stream << text;
+  if (!stream.flush()) {
+    throw std::runtime_error(file.string() + ": cannot be written");
+  }
+}
+
+int run_campaign(const Options& options) {
+  const bench::Campaign campaign = options.size == "full" ? bench::full_campaign() : bench::quick_campaign();
+  fs::create_directories(options.out);
+  std::vector<bench::Outcome> outcomes;
+  {
+    cli::Progress progress("campaign");
+    outcomes =
+        bench::run_campaign(campaign, options.out, options.overrides, [&](double share) { progress.show(share); });
+  }
+  const std::string table = bench::table_of(outcomes);
+  write(table, fs::path(options.out) / "table.txt");
+  write(bench::page_of(campaign.name, outcomes), fs::path(options.out) / "campaign.html");
+  std::fputs(table.c_str(), stdout);
+  return 0;
+}
+
+int run_rays(const Options& options) {
+  std::printf("%-10s %14s %15s\n", "world", "caster Mray/s", "packets Mray/s");
+  for (const std::string& world : simulate::world_names()) {
+    const bench::RaySpeed speed = bench::measure_ray_speed(world, options.seed, 1.0);
+    std::printf("%-10s %14.2f %15.2f\n", world.c_str(), speed.caster, speed.packets);
+    std::fflush(stdout);
+  }
+  return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Options options;
+  CLI::App* campaign = nullptr;
+  return cli::run_program(
+      argc, argv, "slamd-bench", "Measures slamd.",
+      [&](CLI::App& app) {
+        app.require_subcommand(1);
+        campaign = app.add_subcommand("campaign",
+                                      "Maps simulated drives: worlds x sensors x seeds; goes on where it was stopped");
+        campaign->add_option("SIZE", options.size, "quick: 12 x 60 s; full: 36 x 5 min")
+            ->required()
+            ->check(CLI::IsMember({"quick", "full"}));
+        campaign->add_option("--out", options.out, "Directory for results.jsonl, table.txt, campaign.html")->required();
+        campaign->add_option("--set", options.overrides, "key=value of slamd's configuration")->take_all();
+        CLI::App* rays = app.add_subcommand("rays", "Speed of the simulator's ray casting on one core, by world");
+        rays->add_option("--seed", options.seed, "Of the worlds")->capture_default_str();
+      },
+      [&] { return campaign->parsed() ? run_campaign(options) : run_rays(options); });
+}

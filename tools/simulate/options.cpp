@@ -1,0 +1,173 @@
+#include "tools/simulate/options.hpp"
+
+#include <fstream>
+#include <sstream>
+
+#include <CLI/CLI.hpp>
+
+#include "drivers/recording/packet.hpp"
+#include "tools/cli/cli.hpp"
+
+namespace slamd::simulate {
+
+namespace {
+
+constexpr const char* kPlace = "World and tour";
+constexpr const char* kSensors = "Sensors";
+constexpr const char* kOutput = "Output";
+
+/// Reads corners "x,y" a line (m); closes the tour.
+std::vector<Eigen::Vector2d> read_waypoints(const std::string& file) {
+  std::ifstream stream(file);
+  if (!stream) {
+    throw recording::RecordingError(file, "cannot be read");
+  }
+  std::vector<Eigen::Vector2d> corners;
+  int number = 0;
+  for (std::string line; std::getline(stream, line); ++number) {
+    std::istringstream words(line);
+    double x = 0.0;
+    double y = 0.0;
+    char comma = 0;
+    if (words >> x >> comma >> y && comma == ',') {
+      corners.emplace_back(x, y);
+    } else if (number > 0 && !line.empty()) {
+      throw cli::UsageError(file + ":" + std::to_string(number + 1) + ": is no way-point (x,y)");
+    }
+  }
+  if (corners.size() < 3) {
+    throw cli::UsageError(file + ": holds fewer than three way-points");
+  }
+  if ((corners.front() - corners.back()).norm() > 1e-6) {
+    corners.push_back(corners.front());
+  }
+  return corners;
+}
+
+}  // namespace
+
+void declare(CLI::App& app, Options& options) {
+  Drive& drive = options.drive;
+  app.add_option("--out", options.out, "Directory of the recording to be made")->group(kOutput);
+  app.add_flag("--force", options.force, "Write into a directory that is not empty")->group(kOutput);
+  app.add_flag("--map", drive.map, "Also write true_map.ply")->group(kOutput);
+  app.add_option("--preview", options.preview, "Also write a PNG of world, path and one scan")->group(kOutput);
+  app.add_flag("--replay", options.replay,
+               "Map the drive as slamd-replay would, without writing the recording; products go to --out")
+      ->group(kOutput);
+  app.add_option("--threads", drive.threads, "Of the ray casting; any number gives the same bytes")
+      ->check(CLI::Range(1, 64))
+      ->capture_default_str()
+      ->group(kOutput);
+
+  app.add_option("--world", drive.world, "Where to drive")
+      ->check(CLI::IsMember(world_names()))
+      ->capture_default_str()
+      ->group(kPlace);
+  app.add_option("--mesh", options.mesh, "A PLY mesh to drive in, in place of a world")->group(kPlace);
+  app.add_option("--waypoints", options.waypoints, "CSV of x,y (m): the corners of the tour")->group(kPlace);
+  app.add_option("--seed", drive.seed, "Of world, tour and noise")->capture_default_str()->group(kPlace);
+  app.add_option("--duration", drive.duration_s, "Length of the drive, s")
+      ->check(CLI::Range(5.0, 3600.0))
+      ->capture_default_str()
+      ->group(kPlace);
+  app.add_option("--speed", drive.speed_mps, "Pace, m/s")
+      ->check(CLI::Range(0.1, 10.0))
+      ->capture_default_str()
+      ->group(kPlace);
+  app.add_option("--rest", drive.rest_s, "Standing still at the start, s")
+      ->check(CLI::Range(0.0, 60.0))
+      ->capture_default_str()
+      ->group(kPlace);
+  app.add_option("--vehicle", options.vehicle, "What drives")
+      ->check(CLI::IsMember({"ackermann", "skid_steer", "handheld"}))
+      ->capture_default_str()
+      ->group(kPlace);
+  app.add_option("--turn-rate", options.turn_rate_degps, "Of turns on the spot, °/s")
+      ->check(CLI::Range(5.0, 120.0))
+      ->capture_default_str()
+      ->group(kPlace);
+  app.add_option("--bumps", drive.bumps_per_100m, "Cable ramps of 5 cm in 100 m")
+      ->check(CLI::Range(0.0, 50.0))
+      ->capture_default_str()
+      ->group(kPlace);
+  app.add_option("--vibration", drive.vibration_mps2, "Of the body while it moves, m/s² rms")
+      ->check(CLI::Range(0.0, 5.0))
+      ->capture_default_str()
+      ->group(kPlace);
+  app.add_option("--cars", drive.extras.cars, "That drive about (town, campus, harbour)")
+      ->check(CLI::Range(0, 100))
+      ->capture_default_str()
+      ->group(kPlace);
+  app.add_option("--people", drive.extras.people, "That walk about")
+      ->check(CLI::Range(0, 200))
+      ->capture_default_str()
+      ->group(kPlace);
+
+  app.add_option("--lidar", options.lidar, "Sensor")
+      ->check(CLI::IsMember({"vlp16", "vlp32c", "hdl32e", "livox_avia", "livox_mid360"}))
+      ->capture_default_str()
+      ->group(kSensors);
+  app.add_option("--returns", options.returns, "strongest, dual; Avia: first, strongest, dual, triple")
+      ->check(CLI::IsMember({"first", "strongest", "dual", "triple"}))
+      ->group(kSensors);
+  app.add_option("--range-noise", options.range_noise_m, "In place of the model's, 1σ, m")
+      ->check(CLI::Range(0.0, 1.0))
+      ->group(kSensors);
+  app.add_option("--beam-bias", options.beam_bias_m, "Of each beam, in place of the model's, 1σ, m")
+      ->check(CLI::Range(0.0, 1.0))
+      ->group(kSensors);
+  app.add_flag("--mixed-pixels", drive.mixed_pixels, "Beams have a width: edges give points in between, or two echoes")
+      ->group(kSensors);
+  app.add_option("--rain", drive.drops_per_m, "Rain or dust: chance of an echo from the air in each metre")
+      ->check(CLI::Range(0.0, 0.2))
+      ->capture_default_str()
+      ->group(kSensors);
+  app.add_option("--imu-rate", drive.imu_rate_hz, "Of the external inertial sensor, Hz")
+      ->check(CLI::Range(50.0, 1000.0))
+      ->capture_default_str()
+      ->group(kSensors);
+  app.add_flag("--perfect-imu", options.perfect_imu, "Inertial sensors without any error")->group(kSensors);
+  app.add_flag("--no-sky", options.covered, "GNSS never has a fix")->group(kSensors);
+}
+
+Drive drive_of(const Options& options) {
+  Drive drive = options.drive;
+  for (const LidarKind lidar :
+       {LidarKind::kVlp16, LidarKind::kVlp32c, LidarKind::kHdl32e, LidarKind::kLivoxAvia, LidarKind::kLivoxMid360}) {
+    drive.lidar = options.lidar == name_of(lidar) ? lidar : drive.lidar;
+  }
+  drive.vehicle = options.vehicle == "handheld"     ? VehicleKind::kHandheld
+                  : options.vehicle == "skid_steer" ? VehicleKind::kSkidSteer
+                                                    : VehicleKind::kAckermann;
+  const bool avia = drive.lidar == LidarKind::kLivoxAvia;
+  if ((!avia && (options.returns == "first" || options.returns == "triple")) ||
+      (drive.lidar == LidarKind::kLivoxMid360 && options.returns == "dual")) {
+    throw cli::UsageError("--returns " + options.returns + ": " + options.lidar + " has no such mode");
+  }
+  drive.dual = !avia && options.returns == "dual";
+  drive.returns = options.returns == "triple"      ? LivoxReturns::kTriple
+                  : options.returns == "dual"      ? LivoxReturns::kDual
+                  : options.returns == "strongest" ? LivoxReturns::kStrongest
+                                                   : LivoxReturns::kFirst;
+  drive.turn_rate_radps = options.turn_rate_degps * M_PI / 180.0;
+  if (options.range_noise_m >= 0.0) {
+    drive.range_noise_m = options.range_noise_m;
+  }
+  if (options.beam_bias_m >= 0.0) {
+    drive.beam_bias_m = options.beam_bias_m;
+  }
+  if (options.perfect_imu) {
+    drive.imu_errors = InertialErrors::none();
+  }
+  // There is no sky over these.
+  drive.gnss_errors.covered =
+      options.covered || drive.world == "indoor" || drive.world == "tunnel" || drive.world == "warehouse";
+  drive.mesh = options.mesh;
+  if (!options.waypoints.empty()) {
+    drive.waypoints = read_waypoints(options.waypoints);
+  }
+  return drive;
+}
+
+}  // namespace slamd::simulate

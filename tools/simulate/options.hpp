@@ -1,0 +1,38 @@
+#pragma once
+
+#include <string>
+
+#include "tools/simulate/drive.hpp"
+
+namespace CLI {
+class App;
+}
+
+namespace slamd::simulate {
+
+/// What the command line of a simulation says.
+struct Options {
+  Drive drive;
+  std::string out;
+  std::string preview;
+  bool force = false;
+  bool replay = false;
+  std::string lidar = "vlp16";
+  std::string vehicle = "ackermann";
+  std::string returns;
+  std::string waypoints;
+  std::string mesh;
+  double turn_rate_degps = 120.0;
+  double range_noise_m = -1.0;
+  double beam_bias_m = -1.0;
+  bool perfect_imu = false;
+  bool covered = false;
+};
+
+/// Declares the options of a simulation.
+void declare(CLI::App& app, Options& options);
+
+/// Returns the drive that the options describe. Errors: cli::UsageError, RecordingError.
+Drive drive_of(const Options& options);
+
+}  // namespace slamd::simulate

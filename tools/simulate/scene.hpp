@@ -1,0 +1,59 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include "core/base/stamp.hpp"
+#include "tools/simulate/drive.hpp"
+#include "tools/simulate/mid360_lidar.hpp"
+#include "tools/simulate/spinning_lidar.hpp"
+
+namespace slamd::simulate {
+
+/// When simulated drives begin on the time base: 2026-09-21 14:13:20 UTC.
+inline constexpr std::int64_t kStart_unix_s = 1'790'000'000;
+
+/// Rate of truth.tum.
+inline constexpr double kTruth_hz = 100.0;
+
+/// How imu.csv writes its numbers.
+inline constexpr const char* kRateFormat = "%.7f";   // rad/s
+inline constexpr const char* kForceFormat = "%.6f";  // m/s²
+
+Stamp stamp_at(double t_s);
+
+/// A drive that can be looked at: its world, its motion and its LiDAR.
+class Scene {
+ public:
+  explicit Scene(const Drive& drive);
+
+  const Drive& drive() const { return drive_; }
+  const World& world() const { return scenery_->world(); }
+  const Route& route() const { return scenery_->route(); }
+  const Motion& motion() const { return *motion_; }
+  const Mounting& mounting() const { return mounting_; }
+  const PacketMaker& lidar() const;
+
+  /// How many point packets the drive has.
+  std::uint64_t packets() const { return static_cast<std::uint64_t>(motion_->duration_s() / lidar().packet_s()); }
+
+  const SpinningLidar* spinning() const { return spinning_ ? &*spinning_ : nullptr; }
+  const LivoxLidar* avia() const { return avia_ ? &*avia_ : nullptr; }
+  const Mid360Lidar* mid360() const { return mid360_ ? &*mid360_ : nullptr; }
+
+  /// The external sensor.
+  InertialSensor imu() const;
+
+  double path_m() const;
+
+ private:
+  Drive drive_;
+  Mounting mounting_;
+  std::unique_ptr<Scenery> scenery_;
+  std::unique_ptr<Motion> motion_;
+  std::optional<SpinningLidar> spinning_;
+  std::optional<LivoxLidar> avia_;
+  std::optional<Mid360Lidar> mid360_;
+};
+
+}  // namespace slamd::simulate
