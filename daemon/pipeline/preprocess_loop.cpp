@@ -13,6 +13,8 @@ namespace {
 
 /// How often a scan that waits for its inertial samples is looked at.
 constexpr Duration kWaitingStep = std::chrono::milliseconds(2);
+/// What goes on happening is said so often.
+constexpr Duration kSayAgain = std::chrono::seconds(5);
 
 }  // namespace
 
@@ -92,6 +94,10 @@ void PreprocessLoop::process(const sensor::Scan& scan, Stamp received, Stamp now
   }
   if (config_.use_imu && (stage_.imu().empty() || stage_.imu().newest().stamp < scan.end)) {
     ++counts_.imu_late;
+    if (now - imu_late_said_ >= kSayAgain) {
+      imu_late_said_ = now;
+      events_.write(now, Event::kImuLate, counts_.imu_late);
+    }
   }
   if (!stage_.process(scan, job_->scan)) {
     return;  // still starting

@@ -58,6 +58,7 @@ class PreprocessLoop {
   sensor::Scan waiting_;     // for its inertial samples
   bool is_waiting_ = false;
   Stamp waiting_received_{};
+  Stamp imu_late_said_{};
   PreprocessCounts counts_;
   // Written by the preprocess thread, read by health.
   Latest<PreprocessCounts> shown_;

@@ -226,6 +226,10 @@ void ReceiveLoop::note_silence(SensorCounts& counts, bool& heard, Event event_he
 
 void ReceiveLoop::show(Stamp now) {
   last_shown_ = now;
+  if (counts_.blocks_dropped != blocks_dropped_said_) {
+    blocks_dropped_said_ = counts_.blocks_dropped;
+    events_.write(now, Event::kBlockPoolEmpty, counts_.blocks_dropped);
+  }
   note_silence(counts_.lidar, lidar_heard_, Event::kLidarHeard, Event::kLidarSilent, now);
   note_silence(counts_.imu, imu_heard_, Event::kImuHeard, Event::kImuSilent, now);
   if (counts_.lidar.last != Stamp{} && now - counts_.lidar.last > kForgetSource) {

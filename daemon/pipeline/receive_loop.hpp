@@ -99,6 +99,7 @@ class ReceiveLoop {
   Stamp next_serial_try_{};
   Stamp last_shown_{};
   std::uint64_t other_packets_ = 0;
+  std::uint64_t blocks_dropped_said_ = 0;
   sensor::PointBlock scrap_;  // decoded into when no block is free: every packet is accounted for
   ReceiveCounts counts_;
   // Written by the receive thread, read by health.
