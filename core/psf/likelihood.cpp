@@ -61,6 +61,41 @@ float ScanLikelihood::with_look_ups(const map::VoxelMap& map,
   return -cost / static_cast<float>(points_imu_.size());
 }
 
+ScanLikelihood::Comparison ScanLikelihood::compare(const map::VoxelMap& map,
+                                                   std::size_t level,
+                                                   const Se3& T_odom_imu_a,
+                                                   const Se3& T_odom_imu_b,
+                                                   float sigma_m) const {
+  const Eigen::Matrix3f R_a = T_odom_imu_a.rotation().cast<float>();
+  const Eigen::Vector3f t_a = T_odom_imu_a.translation().cast<float>();
+  const Eigen::Matrix3f R_b = T_odom_imu_b.rotation().cast<float>();
+  const Eigen::Vector3f t_b = T_odom_imu_b.translation().cast<float>();
+  const float scale = 0.5F / (sigma_m * sigma_m);
+  const auto cost = [scale](float r) { return std::min(scale * r * r, kFullCost); };
+  Comparison result;
+  float cost_a = 0.0F;
+  float cost_b = 0.0F;
+  std::size_t shared = 0;
+  for (const Eigen::Vector3f& p_imu : points_imu_) {
+    const Eigen::Vector3f p_a = R_a * p_imu + t_a;
+    const Eigen::Vector3f p_b = R_b * p_imu + t_b;
+    const SurfaceCell* cell_a = map.surface(p_a, level);
+    const SurfaceCell* cell_b = map.surface(p_b, level);
+    if (cell_a == nullptr || cell_b == nullptr || cell_a->surface == Surface::kUnknown || cell_b->surface == Surface::kUnknown) {
+      continue;
+    }
+    cost_a += cost(cell_a->distance_m(p_a));
+    cost_b += cost(cell_b->distance_m(p_b));
+    ++shared;
+  }
+  if (shared > 0) {
+    result.a = -cost_a / static_cast<float>(shared);
+    result.b = -cost_b / static_cast<float>(shared);
+    result.share = static_cast<float>(shared) / static_cast<float>(points_imu_.size());
+  }
+  return result;
+}
+
 void ScanLikelihood::cache_surfaces(const map::VoxelMap& map, std::size_t level, const Se3& T_odom_imu) {
   const Eigen::Matrix3f R = T_odom_imu.rotation().cast<float>();
   const Eigen::Vector3f t = T_odom_imu.translation().cast<float>();

@@ -27,6 +27,17 @@ class ScanLikelihood {
   /// Evaluates ℓ with a look-up for each point, on one level of the map's coarse grid.
   float with_look_ups(const map::VoxelMap& map, std::size_t level, const geometry::Se3& T_odom_imu, float sigma_m) const;
 
+  /// ℓ of two poses over the points that meet a surface at both, and how many of all points these are.
+  struct Comparison {
+    float a = -kFullCost;
+    float b = -kFullCost;
+    float share = 0.0F;
+  };
+
+  /// Compares two poses where both can be judged: what lies in unknown space at either says nothing for the other.
+  Comparison compare(const map::VoxelMap& map, std::size_t level, const geometry::Se3& T_odom_imu_a,
+                     const geometry::Se3& T_odom_imu_b, float sigma_m) const;
+
   /// Stores the surface that each point meets at a pose, for `with_cache`.
   void cache_surfaces(const map::VoxelMap& map, std::size_t level, const geometry::Se3& T_odom_imu);
 

@@ -75,6 +75,9 @@ Answer ParticleSwarmFilter::answer(std::span<const Eigen::Vector3f> points_imu,
     if (apart.head<3>().norm() < config_.same_mode_m && apart.tail<3>().norm() < config_.same_mode_rad) {
       return;
     }
+    if (best.recovery && !question.distrust_prior && !fits_better_where_both_are_known(map, question, T_odom_imu)) {
+      return;
+    }
     const float log_likelihood = fit(T_odom_imu);
     const double score = score_of(T_odom_imu, log_likelihood);
     if (score > best_score) {
@@ -161,6 +164,19 @@ void ParticleSwarmFilter::run_swarm(const map::VoxelMap& map, const Question& qu
       swarm_.move(step, random);
     }
   }
+}
+
+// A likelihood that has fallen is no evidence against the prediction by itself: a scan that sees new ground falls just
+// so, and fits better wherever it can be laid on old ground. So the two are compared where both can be judged.
+bool ParticleSwarmFilter::fits_better_where_both_are_known(const map::VoxelMap& map,
+                                                           const Question& question,
+                                                           const Se3& T_odom_imu) const {
+  const auto sigma = static_cast<float>(config_.gate_sigma_m);
+  const ScanLikelihood::Comparison both =
+      likelihood_.compare(map, kFineLevel, T_odom_imu, question.T_odom_imu_plain, sigma);
+  const double score = config_.gate_gain * static_cast<double>(both.a - both.b) + log_prior(question, T_odom_imu, true) -
+                       log_prior(question, question.T_odom_imu_plain, true);
+  return static_cast<double>(both.share) >= config_.min_shared_points && score > config_.gate_margin;
 }
 
 double ParticleSwarmFilter::log_prior(const Question& question, const Se3& T_odom_imu, bool recovery) const {

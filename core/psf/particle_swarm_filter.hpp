@@ -33,6 +33,7 @@ struct PsfConfig {
   double gate_sigma_m = 0.10;
   double gate_gain = 60.0;               // score = gain · ℓ + log prior
   double gate_margin = 2.0;              // what a mode must beat the plain update by
+  double min_shared_points = 0.2;        // of all: fewer points that two poses both explain cannot decide between them
   double wide_penalty = 8.0;             // log odds against "the prediction was wrong"
   double mode_separation_boxes = 0.3;
   double same_mode_m = 0.05;             // nearer to the plain update than both of these
@@ -81,6 +82,8 @@ class ParticleSwarmFilter {
   bool is_recovery(const Question& question, float plain_log_likelihood) const;
   geometry::Vector6d half_box(const Question& question, bool recovery) const;
   void run_swarm(const map::VoxelMap& map, const Question& question, bool recovery, Random& random);
+  bool fits_better_where_both_are_known(const map::VoxelMap& map, const Question& question,
+                                        const geometry::Se3& T_odom_imu) const;
   double log_prior(const Question& question, const geometry::Se3& T_odom_imu, bool recovery) const;
   void remember(const Answer& answer);
 
