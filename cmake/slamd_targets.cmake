@@ -87,7 +87,8 @@ endfunction()
 
 # slamd_test(FOLDER SOURCES s... [DEPS d...] [LABELS l...]): the tests of one folder, as one program.
 # It sees only what the folder's own DEPS list, the folder itself and gtest. Labels: "threads" marks what the
-# ThreadSanitizer run repeats; the target "threaded_tests" builds just those.
+# ThreadSanitizer run repeats; the target "threaded_tests" builds just those. "sockets" marks what needs a real
+# kernel's sockets, "long" what simulates drives: neither is run in the emulator.
 function(slamd_test folder)
   cmake_parse_arguments(arg "" "" "SOURCES;DEPS;LABELS" ${ARGN})
   if(arg_UNPARSED_ARGUMENTS)
