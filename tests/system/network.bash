@@ -10,6 +10,9 @@ ip netns del slamd_probe
 pids=()
 finish() {
   for pid in "${pids[@]}"; do kill "$pid" 2>/dev/null; done
+  for space in slamd_host slamd_sensor; do
+    for pid in $(ip netns pids "$space" 2>/dev/null); do kill "$pid" 2>/dev/null; done  # what those have started
+  done
   wait 2>/dev/null
   ip netns del slamd_host 2>/dev/null
   ip netns del slamd_sensor 2>/dev/null
