@@ -116,6 +116,17 @@ function(slamd_program program folder)
   _slamd_precompile(${program} library)
 endfunction()
 
+# slamd_preload(NAME FOLDER SOURCES s... [DEPS d...]): <build>/lib/lib<NAME>.so, for LD_PRELOAD: what watches or changes a
+# program from outside while it is measured. Nothing that is shipped links it.
+function(slamd_preload name folder)
+  cmake_parse_arguments(arg "" "" "SOURCES;DEPS" ${ARGN})
+  list(TRANSFORM arg_SOURCES PREPEND ${PROJECT_SOURCE_DIR}/${folder}/)
+  add_library(${name} MODULE ${arg_SOURCES})
+  set_target_properties(${name} PROPERTIES LIBRARY_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/lib)
+  target_link_libraries(${name} PRIVATE slamd_flags ${CMAKE_DL_LIBS})
+  _slamd_link(${name} PRIVATE "${arg_DEPS}")
+endfunction()
+
 # slamd_test(FOLDER SOURCES s... [DEPS d...] [LABELS l...]): the tests of one folder, as one program.
 # It sees only what the folder's own DEPS list, the folder itself and gtest. Labels: "threads" marks what the
 # ThreadSanitizer run repeats; the target "threaded_tests" builds just those. "sockets" marks what needs a real

@@ -28,7 +28,7 @@ PreprocessLoop::PreprocessLoop(const configuration::Configuration& configuration
       waiting_(odometry.preprocess.max_points) {}
 
 void PreprocessLoop::run_once(Duration longest) {
-  rings_.wake_preprocess.wait(is_waiting_ ? std::min(longest, kWaitingStep) : longest);
+  rings_.wake_preprocess.wait(waiting_.is_waiting() ? std::min(longest, kWaitingStep) : longest);
   while (const auto feedback = rings_.feedback.try_pop()) {
     stage_.add_feedback(*feedback);
   }
@@ -49,41 +49,20 @@ void PreprocessLoop::take_blocks() {
   while (auto block = rings_.blocks.try_pop()) {
     const sensor::PointBlock& points = **block;
     if (const sensor::Scan* scan = assembler_.add(points)) {
-      add_scan(*scan, points.received);
+      const Stamp now = clock_.now();
+      waiting_.add(*scan, points.received, [&](const sensor::Scan& next) { return stage_.ready_for(next, now); },
+                   [&](const sensor::Scan& next, Stamp received) { process(next, received, now); });
     }
     block->reset();
   }
 }
 
-void PreprocessLoop::add_scan(const sensor::Scan& scan, Stamp received) {
-  const Stamp now = clock_.now();
-  if (is_waiting_) {
-    process(waiting_, waiting_received_, now);
-  }
-  if (stage_.ready_for(scan, now)) {
-    process(scan, received, now);
-    return;
-  }
-  // Its inertial samples are still on their way; the assembler will want its memory back.
-  is_waiting_ = true;
-  waiting_received_ = received;
-  waiting_.index = scan.index;
-  waiting_.begin = scan.begin;
-  waiting_.end = scan.end;
-  waiting_.points_have_time = scan.points_have_time;
-  waiting_.complete = scan.complete;
-  waiting_.points_dropped = scan.points_dropped;
-  waiting_.points.assign(scan.points.view());
-}
-
 void PreprocessLoop::release(Stamp now) {
-  if (is_waiting_ && stage_.ready_for(waiting_, now)) {
-    process(waiting_, waiting_received_, now);
-  }
+  waiting_.release([&](const sensor::Scan& scan) { return stage_.ready_for(scan, now); },
+                   [&](const sensor::Scan& scan, Stamp received) { process(scan, received, now); });
 }
 
 void PreprocessLoop::process(const sensor::Scan& scan, Stamp received, Stamp now) {
-  is_waiting_ = false;
   if (!job_) {
     job_ = rings_.job_pool.acquire();
   }

@@ -5,6 +5,7 @@
 #include "core/sensor/scan_assembler.hpp"
 #include "daemon/configuration/configuration.hpp"
 #include "daemon/pipeline/rings.hpp"
+#include "daemon/stages/waiting_scan.hpp"
 #include "daemon/threads/event_ring.hpp"
 #include "daemon/threads/stage_monitor.hpp"
 #include "drivers/transport/host_clock.hpp"
@@ -44,7 +45,6 @@ class PreprocessLoop {
  private:
   void take_imu();
   void take_blocks();
-  void add_scan(const sensor::Scan& scan, Stamp received);
   void release(Stamp now);
   void process(const sensor::Scan& scan, Stamp received, Stamp now);
   void show();
@@ -55,9 +55,7 @@ class PreprocessLoop {
   sensor::ScanAssembler assembler_;
   stages::PreprocessStage stage_;
   JobPool::Handle job_;      // the next scan's, kept when starting does not need it
-  sensor::Scan waiting_;     // for its inertial samples
-  bool is_waiting_ = false;
-  Stamp waiting_received_{};
+  stages::WaitingScan waiting_;
   Stamp imu_late_said_{};
   PreprocessCounts counts_;
   // Written by the preprocess thread, read by health.

@@ -7,36 +7,7 @@ cd "$(dirname "$0")/../.."
 needs jq ip
 seconds=${SLAMD_LIVE_SECONDS:-25}
 
-if ! ip netns add slamd_probe 2>/dev/null; then
-  skip "network namespaces need root"
-  exit 0
-fi
-ip netns del slamd_probe
-
-pids=()
-finish() {
-  for pid in "${pids[@]}"; do kill "$pid" 2>/dev/null; done
-  wait 2>/dev/null
-  ip netns del slamd_host 2>/dev/null
-  ip netns del slamd_sensor 2>/dev/null
-  rm -rf "$scratch"
-}
-trap finish EXIT
-
-for space in slamd_host slamd_sensor; do ip netns del "$space" 2>/dev/null; done  # of a run that was killed
-# Two computers and a cable: the robot's, and the sensor.
-ip netns add slamd_host
-ip netns add slamd_sensor
-ip link add slamd_a netns slamd_host type veth peer name slamd_b netns slamd_sensor
-ip -n slamd_host addr add 10.77.0.1/24 dev slamd_a
-ip -n slamd_sensor addr add 10.77.0.2/24 dev slamd_b
-for end in "slamd_host slamd_a" "slamd_host lo" "slamd_sensor slamd_b" "slamd_sensor lo"; do
-  read -r space device <<<"$end"
-  ip -n "$space" link set "$device" up
-done
-ip -n slamd_host route add 224.0.0.0/4 dev lo
-on_host() { ip netns exec slamd_host "$@"; }
-on_sensor() { ip netns exec slamd_sensor "$@"; }
+. tests/system/network.bash
 
 # live LIDAR IMU_SOURCE: maps a drive live and as a replay, and compares.
 live() {
@@ -67,15 +38,7 @@ live() {
   kill -TERM "$daemon"
   if wait "$daemon"; then pass "$lidar: slamd ends cleanly on SIGTERM"; else fail "$lidar: slamd ends cleanly on SIGTERM"; fi
 
-  # sender = received + counted, exactly.
-  local lidar_sent kernel received
-  lidar_sent=$(jq '.sent.lidar + .sent.position + .sent.imu_packets' <<<"$sent")
-  received=$(sed -nE 's/^I packets: //p' "$work/slamd.log" | tr ',' '\n' | awk '{ sum += $2 } END { print sum + 0 }')
-  if [ "$lidar_sent" = "$received" ]; then
-    pass "$lidar: all $lidar_sent packets are accounted for"
-  else
-    fail "$lidar: $lidar_sent packets were sent, $received are accounted for: $(grep packets "$work/slamd.log")"
-  fi
+  accounted_for "$lidar" "$sent" "$work/slamd.log"  # sender = received + counted, exactly
   # The subscriber hears the poses.
   local told heard
   told=$(jq .health.counters.poses "$work/health.json")

@@ -7,6 +7,8 @@
 #include <CLI/CLI.hpp>
 
 #include "tools/bench/campaign_page.hpp"
+#include "tools/bench/own_network.hpp"
+#include "tools/bench/pose_latency.hpp"
 #include "tools/bench/ray_speed.hpp"
 #include "tools/cli/cli.hpp"
 
@@ -20,6 +22,8 @@ struct Options {
   std::string out;
   std::vector<std::string> overrides;
   std::uint64_t seed = 1;
+  bench::PoseLatencyConfig pose;
+  bool json = false;
 };
 
 void write(const std::string& text, const fs::path& file) {
@@ -56,11 +60,37 @@ int run_rays(const Options& options) {
   return 0;
 }
 
+int run_pose_latency(Options& options) {
+  const fs::path programs = fs::read_symlink("/proc/self/exe").parent_path();
+  options.pose.slamd = programs / "slamd";
+  options.pose.padding = programs.parent_path() / "lib" / "libslamd_padded_pose.so";
+  for (const fs::path& file : {options.pose.slamd, options.pose.padding}) {
+    if (!fs::exists(file)) {
+      throw std::runtime_error(file.string() + ": does not exist");
+    }
+  }
+  const bool alone = bench::enter_own_network();
+  std::vector<bench::PoseLatencyRow> rows;
+  {
+    cli::Progress progress("pose latency");
+    rows = bench::measure_pose_latency(options.pose, [&](double share) { progress.show(share); });
+  }
+  if (options.json) {
+    std::fputs(bench::json_of(rows, options.pose.pose_bytes, options.pose.imu_rate_hz).c_str(), stdout);
+  } else {
+    std::printf("VLP-16 and %.0f Hz IMU for %.0f s a row, poses of %zu bytes, %s; from the sample's sending to the subscriber\n%s",
+                options.pose.imu_rate_hz, options.pose.seconds, options.pose.pose_bytes,
+                alone ? "a network of their own" : "this computer's network", bench::table_of(rows).c_str());
+  }
+  return 0;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   Options options;
   CLI::App* campaign = nullptr;
+  CLI::App* pose = nullptr;
   return cli::run_program(
       argc, argv, "slamd-bench", "Measures slamd.",
       [&](CLI::App& app) {
@@ -74,6 +104,13 @@ int main(int argc, char** argv) {
         campaign->add_option("--set", options.overrides, "key=value of slamd's configuration")->take_all();
         CLI::App* rays = app.add_subcommand("rays", "Speed of the simulator's ray casting on one core, by world");
         rays->add_option("--seed", options.seed, "Of the worlds")->capture_default_str();
+        pose = app.add_subcommand("pose-latency",
+                                  "From an inertial sample to the subscriber of its pose: quiet and beside hogs, SCHED_FIFO and SCHED_OTHER");
+        pose->add_option("--seconds", options.pose.seconds, "Of each of the four rows")->check(CLI::Range(5.0, 3600.0))->capture_default_str();
+        pose->add_option("--imu-rate", options.pose.imu_rate_hz, "Hz")->check(CLI::Range(50.0, 1000.0))->capture_default_str();
+        pose->add_option("--pose-bytes", options.pose.pose_bytes, "Poses are padded to this size")->check(CLI::Range(0, 1400))->capture_default_str();
+        pose->add_option("--hogs", options.pose.hogs, "Programs that only compute")->check(CLI::Range(1, 64))->capture_default_str();
+        pose->add_flag("--json", options.json, "Print JSON");
       },
-      [&] { return campaign->parsed() ? run_campaign(options) : run_rays(options); });
+      [&] { return campaign->parsed() ? run_campaign(options) : pose->parsed() ? run_pose_latency(options) : run_rays(options); });
 }

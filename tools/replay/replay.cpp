@@ -3,6 +3,7 @@
 #include <chrono>
 #include <ctime>
 
+#include "daemon/stages/waiting_scan.hpp"
 #include "drivers/clouds/point_folder.hpp"
 #include "drivers/recording/pcap_reader.hpp"
 
@@ -87,33 +88,18 @@ class Player {
   }
 
   void add_scan(const Scan& scan, double decode_ms, Stamp now) {
-    if (is_waiting_) {
-      process(waiting_);
-    }
+    const auto process_it = [this](const Scan& next, Stamp) { process(next); };
+    waiting_.flush(process_it);
     ++run_.scans_seen;
     decode_ms_ = decode_ms;
-    if (front_end_.ready_for(scan, now)) {
-      process(scan);
-      return;
-    }
-    // Its inertial samples are still on their way; the assembler will want its memory back.
-    is_waiting_ = true;
-    waiting_.index = scan.index;
-    waiting_.begin = scan.begin;
-    waiting_.end = scan.end;
-    waiting_.points_have_time = scan.points_have_time;
-    waiting_.complete = scan.complete;
-    waiting_.points_dropped = scan.points_dropped;
-    waiting_.points.assign(scan.points.view());
+    waiting_.add(scan, now, [&](const Scan& next) { return front_end_.ready_for(next, now); }, process_it);
   }
 
   Run finish() {
-    while (imu_.next() && is_waiting_ && imu_.next()->stamp <= waiting_.end + stages::PreprocessStage::kImuPatience) {
+    while (imu_.next() && waiting_.is_waiting() && imu_.next()->stamp <= waiting_.scan().end + stages::PreprocessStage::kImuPatience) {
       advance_to(imu_.next()->stamp);
     }
-    if (is_waiting_) {
-      process(waiting_);
-    }
+    waiting_.flush([this](const Scan& scan, Stamp) { process(scan); });
     run_.imu = imu_.counts();
     const sensor::ImuBufferCounts& imu = front_end_.imu().counts();
     run_.imu.emplace_back("accepted", imu.accepted);
@@ -128,13 +114,11 @@ class Player {
 
  private:
   void release(Stamp now) {
-    if (is_waiting_ && front_end_.ready_for(waiting_, now)) {
-      process(waiting_);
-    }
+    waiting_.release([&](const Scan& scan) { return front_end_.ready_for(scan, now); },
+                     [this](const Scan& scan, Stamp) { process(scan); });
   }
 
   void process(const Scan& scan) {
-    is_waiting_ = false;
     const auto result = front_end_.process(scan);
     if (!result) {
       ++run_.scans_before_start;
@@ -149,8 +133,7 @@ class Player {
   const Sinks& sinks_;
   stages::FrontEnd front_end_;
   ImuSource imu_;
-  Scan waiting_;
-  bool is_waiting_ = false;
+  stages::WaitingScan waiting_;
   double decode_ms_ = 0.0;  // of the scan in hand
   Run run_;
 };

@@ -3,10 +3,13 @@
 #include <gtest/gtest.h>
 
 #include "drivers/recording/packet.hpp"
-#include "scratch_folder.hpp"
+#include "tests/scratch/scratch_folder.hpp"
 
 namespace slamd::recording {
 namespace {
+
+using scratch::message_of;
+using scratch::ScratchFolder;
 
 constexpr const char* kHeader = "timestamp_ns,gx_rad_s,gy_rad_s,gz_rad_s,ax_m_s2,ay_m_s2,az_m_s2\n";
 

@@ -7,10 +7,13 @@
 #include "drivers/recording/pcap_reader.hpp"
 #include "drivers/recording/pcap_writer.hpp"
 #include "made_capture.hpp"
-#include "scratch_folder.hpp"
+#include "tests/scratch/scratch_folder.hpp"
 
 namespace slamd::recording {
 namespace {
+
+using scratch::message_of;
+using scratch::ScratchFolder;
 
 using namespace std::chrono_literals;
 
@@ -31,7 +34,7 @@ class PcapReaderTest : public ScratchFolder {
     Packet packet;
     std::string all;
     while (reader.next(packet)) {
-      all += text_of(packet.payload) + " ";
+      all += recording::text_of(packet.payload) + " ";
       last_ = packet;
     }
     counters_ = reader.counters();
@@ -152,7 +155,7 @@ TEST_F(PcapReaderTest, KeepsWhatStandsBeforeATruncatedRecord) {
 
 TEST_F(PcapReaderTest, EndsAtARecordOfImpossibleLength) {
   std::string capture = MadeCapture().add(frame_with("one")).text();
-  capture += text_of(Written().add_zeros(8).add<std::uint32_t>(0xFFFFFFF0).add<std::uint32_t>(0xFFFFFFF0).bytes());
+  capture += recording::text_of(Written().add_zeros(8).add<std::uint32_t>(0xFFFFFFF0).add<std::uint32_t>(0xFFFFFFF0).bytes());
 
   EXPECT_EQ(payloads_of(capture), "one ");
 

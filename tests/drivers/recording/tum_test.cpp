@@ -3,10 +3,13 @@
 #include <gtest/gtest.h>
 
 #include "drivers/recording/packet.hpp"
-#include "scratch_folder.hpp"
+#include "tests/scratch/scratch_folder.hpp"
 
 namespace slamd::recording {
 namespace {
+
+using scratch::message_of;
+using scratch::ScratchFolder;
 
 class TumTest : public ScratchFolder {};
 

@@ -1,0 +1,78 @@
+#!/usr/bin/env bash
+# SLAMD_GARBAGE_SECONDS (20; tools/check --full: 300) of garbage against the ASan build of slamd, on every port: data,
+# position and inertial datagrams from the sensor's own address and from a stranger's, bytes at the serial port, whatever
+# at LCM's group; with a good drive in between. Two daemons at once: VLP-16 with the IMU over UDP, and Avia with a serial
+# IMU. Needs root for the namespaces, and build/asan/bin/slamd.
+set -uo pipefail
+cd "$(dirname "$0")/../.."
+. tests/system/verdicts.bash
+needs jq ip
+seconds=${SLAMD_GARBAGE_SECONDS:-20}
+asan=$(realpath -m "${SLAMD_ASAN:-build/asan/bin/slamd}")
+garbage=$(realpath -m "$bin/../tests/slamd_garbage")
+if [ ! -x "$asan" ]; then
+  skip "no ASan build of slamd (cmake --preset asan && cmake --build --preset asan --target slamd)"
+  exit 0
+fi
+. tests/system/network.bash
+ip -n slamd_sensor addr add 10.77.0.3/24 dev slamd_b  # the stranger
+export ASAN_OPTIONS=detect_stack_use_after_return=1 UBSAN_OPTIONS=print_stacktrace=1
+
+declare -A daemon_of
+# begin NAME MODEL EXTRA_TOML: a daemon on the bus as NAME.
+begin() {
+  local name=$1 lidar=$2
+  mkdir -p "$scratch/$name/saved"
+  "$bin/slamd-simulate" --out "$scratch/$name/drive" --lidar "$lidar" --seed 5 --duration 20 --imu-rate 400 >/dev/null || fail "$name: simulated"
+  printf '[[lidar]]\nmodel = "%s"\nport = %s\n%b' "$lidar" "$3" "$4" >"$scratch/$name/slamd.toml"
+  ip netns exec slamd_host "$asan" --config "$scratch/$name/slamd.toml" --set "lcm.prefix=$name" 2>"$scratch/$name/slamd.log" &
+  daemon_of[$name]=$!
+  pids+=("$!")
+}
+begin VELO vlp16 2368 '[imu]\nsource = "udp"\nport = 7501\n'
+begin AVIA livox_avia 56001 "[imu]\nsource = \"serial\"\ndevice = \"$scratch/imu\"\n"
+sleep 2
+
+# Good packets, for ever: the sensor's address gets pinned, and what is damaged gets past the first checks.
+good() { while :; do on_sensor "$bin/slamd-replay" --to-network "$@" >/dev/null 2>&1 || break; done; }
+good 10.77.0.1:2368:8308 --imu-to udp:10.77.0.1:7501 "$scratch/VELO/drive" &
+pids+=("$!")
+good 10.77.0.1:56001 "$scratch/AVIA/drive" &
+pids+=("$!")
+senders=()
+# throw WHERE SEED KIND ARGUMENT...
+throw() {
+  local space=$1
+  shift
+  ip netns exec "$space" "$garbage" "$seconds" "$@" >"$scratch/count.$1" &
+  senders+=("$!")
+  pids+=("$!")
+}
+throw slamd_sensor 1 udp "$scratch/VELO/drive" 10.77.0.2 10.77.0.1 2368 8308 7501
+throw slamd_sensor 2 udp "$scratch/VELO/drive" 10.77.0.3 10.77.0.1 2368 8308 7501
+throw slamd_sensor 3 udp "$scratch/AVIA/drive" 10.77.0.2 10.77.0.1 56001
+throw slamd_sensor 4 udp "$scratch/AVIA/drive" 10.77.0.3 10.77.0.1 56001
+throw slamd_host 5 pty "$scratch/AVIA/drive" "$scratch/imu"
+throw slamd_host 6 lcm VELO
+throw slamd_host 7 lcm AVIA
+for sender in "${senders[@]}"; do wait "$sender" || fail "garbage is sent"; done
+echo "$(cat "$scratch"/count.* | awk '{ sum += $1 } END { print sum }') pieces of garbage in $seconds s"
+sleep 3  # the limit of commands a second has passed
+
+for name in VELO AVIA; do
+  check "$name: answers a command after $seconds s of garbage" on_host "$bin/slamd-ctl" --prefix "$name" --timeout 5 set-pose 1 2 0 90
+  on_host "$bin/slamd-status" --once --json --prefix "$name" >"$scratch/$name.json"
+  holds "$name: refused some of it, by count" "$scratch/$name.json" '.health.sensors[0].dropped > 0'
+  holds "$name: took the good packets in between" "$scratch/$name.json" '.health.sensors[0].received > 1000'
+  kill -TERM "${daemon_of[$name]}"
+  if wait "${daemon_of[$name]}"; then pass "$name: ends cleanly"; else fail "$name: ends with an error"; fi
+  if grep -qE 'ERROR: |runtime error|SUMMARY' "$scratch/$name/slamd.log"; then
+    fail "$name: the sanitizer complains"
+    grep -E 'ERROR: |runtime error|SUMMARY' -A12 "$scratch/$name/slamd.log" | head -n 40
+  else
+    pass "$name: the sanitizers have no complaint"
+  fi
+  grep -E '^I (packets|blocks):' "$scratch/$name/slamd.log"
+  echo "$name: $(wc -l <"$scratch/$name/slamd.log") lines of log"
+done
+exit "$status"
