@@ -1,24 +1,40 @@
 #pragma once
 
 #include <deque>
-#include <filesystem>
+#include <functional>
+#include <optional>
 #include <vector>
 
-#include "drivers/recording/pcap_writer.hpp"
+#include "core/sensor/imu_sample.hpp"
+#include "drivers/recording/packet.hpp"
 #include "tools/simulate/faults.hpp"
 #include "tools/simulate/noise.hpp"
 
 namespace slamd::simulate {
 
-/// Writes a capture with faults.
-class FaultyCapture {
+/// Damages a stream of packets, and one of inertial rows, on its way from a sensor or a file to wherever it goes.
+/// Moments count from the first packet, and of rows from the first row.
+class FaultInjector {
  public:
-  FaultyCapture(const std::filesystem::path& file, const Faults& faults, std::uint64_t packets, FaultCounts& counts);
+  /// Takes a packet, whose bytes are valid during the call.
+  using Sink = std::function<void(const recording::Packet&)>;
 
-  /// Takes the next packet of the capture.
-  void add(const recording::Packet& packet);
+  /// `length_s` is what bursts are spread over.
+  FaultInjector(const Faults& faults, double length_s);
 
-  void close();
+  /// Takes the next packet; hands on what comes of it.
+  void add(const recording::Packet& packet, const Sink& sink);
+
+  /// Hands on what was still held back.
+  void finish(const Sink& sink);
+
+  /// Shifts a row's stamp; returns false when the row is lost. What is cut to limits is for the caller to count.
+  bool pass_row(Stamp& stamp);
+
+  /// Takes the next row; returns false when it is lost.
+  bool pass(sensor::ImuSample& row);
+
+  FaultCounts& counts() { return counts_; }
 
  private:
   struct Held {
@@ -28,19 +44,21 @@ class FaultyCapture {
     int left = 0;  // intact point packets that still come before it
   };
 
-  bool is_lost(double t_s, Wire wire, PacketFaults& counts) const;
+  bool is_lost(double t_s, Wire wire, PacketFaults& counts);
+  bool is_in_burst(double t_s);
   bool damage(Wire wire, PacketFaults& counts);
-  void write(const recording::Packet& packet, Wire wire);
-  void release(Stamp now);
+  void hand_on(const recording::Packet& packet, Wire wire, const Sink& sink);
+  void release(Stamp now, const Sink& sink);
 
-  recording::PcapWriter writer_;
-  const Faults& faults_;
-  FaultCounts& counts_;
+  Faults faults_;
+  FaultCounts counts_;
   Noise noise_;
-  std::vector<std::uint64_t> burst_begins_;  // packet numbers
+  std::vector<double> bursts_s_;  // when they begin, the last first
+  std::uint64_t burst_end_ = 0;   // the first packet number after the burst
   std::uint64_t number_ = 0;
   std::optional<Stamp> first_;
-  Stamp last_written_{};
+  std::optional<Stamp> first_row_;
+  Stamp last_{};
   std::vector<std::byte> payload_;  // of the packet in hand
   std::deque<Held> held_;
 };
