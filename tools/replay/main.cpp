@@ -1,7 +1,3 @@
-#include <sched.h>
-#include <sys/prctl.h>
-
-#include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
@@ -12,6 +8,7 @@
 
 #include "daemon/configuration/key_table.hpp"
 #include "tools/cli/cli.hpp"
+#include "tools/cli/interrupts.hpp"
 #include "tools/replay/session.hpp"
 #include "tools/replay/to_network.hpp"
 
@@ -58,25 +55,6 @@ void declare(CLI::App& app, Options& options) {
              "All keys: docs/configuration.md.");
 }
 
-volatile std::sig_atomic_t interrupted = 0;
-
-/// Lets Ctrl-C end the sending with its counts; a second one ends the program.
-void catch_interrupts() {
-  struct sigaction action {};
-  action.sa_handler = [](int) { interrupted = 1; };
-  action.sa_flags = SA_RESETHAND;  // and no SA_RESTART: a sleep ends
-  for (const int signal : {SIGINT, SIGTERM}) {
-    sigaction(signal, &action, nullptr);
-  }
-}
-
-/// A sensor is not late because this computer is busy: sends ahead of ordinary threads where that is permitted.
-void ask_for_punctuality() {
-  const sched_param lowest_of_real_time{1};
-  sched_setscheduler(0, SCHED_FIFO, &lowest_of_real_time);
-  prctl(PR_SET_TIMERSLACK, 1UL);
-}
-
 int send(const replay::Recording& recording, const Options& options) {
   replay::ToNetworkOptions target;
   if (options.speed != 0.0 && !(options.speed >= 0.01 && options.speed <= 1000.0)) {
@@ -90,8 +68,8 @@ int send(const replay::Recording& recording, const Options& options) {
       throw cli::UsageError("--imu-to " + options.imu_to + ": the recording has no file of inertial samples");
     }
   }
-  catch_interrupts();
-  ask_for_punctuality();
+  cli::catch_interrupts();
+  replay::ask_for_punctuality();
   if (!target.imu_terminal.empty()) {
     std::fprintf(stderr, "slamd-replay: %s: waiting for its reader, up to %.0f s\n", target.imu_terminal.c_str(),
                  to_seconds(replay::kReaderPatience));
@@ -100,7 +78,7 @@ int send(const replay::Recording& recording, const Options& options) {
   replay::ToNetworkReport report;
   {
     cli::Progress progress("sending");
-    report = replay::send_to_network(recording, target, clock, [] { return interrupted != 0; },
+    report = replay::send_to_network(recording, target, clock, cli::is_interrupted,
                                      [&](double share) { progress.show(share); });
   }
   std::fputs((options.json ? json_of(report) : summary_of(report)).c_str(), stdout);

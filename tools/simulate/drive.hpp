@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "tools/simulate/beam.hpp"
+#include "tools/simulate/faults.hpp"
 #include "tools/simulate/gnss_sensor.hpp"
 #include "tools/simulate/inertial_sensor.hpp"
 #include "tools/simulate/livox_lidar.hpp"
@@ -49,6 +50,7 @@ struct Drive {
   WheelErrors wheel_errors = {};
   GnssErrors gnss_errors = {};
   bool map = false;                                   // write true_map.ply
+  std::optional<Faults> faults = std::nullopt;        // of what the sensors send
 };
 
 /// Where the sensors sit on the vehicle.

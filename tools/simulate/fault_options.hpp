@@ -11,20 +11,31 @@ class App;
 
 namespace slamd::simulate {
 
-/// What the command line of `slamd-simulate faults` says.
+/// What the command line says of faults.
 struct FaultOptions {
-  std::string in;
-  std::string out;
-  bool force = false;
-  Faults faults;
   std::string drop, reorder, duplicate, truncate, garbage;
   std::string burst, imu_offset, imu_clip, block_fov;
   std::vector<std::string> clock_steps, blackouts, imu_gaps;
 };
 
-void declare(CLI::App& app, FaultOptions& options);
+/// What the command line of `slamd-simulate faults` says.
+struct FaultCommand {
+  std::string in;
+  std::string out;
+  bool force = false;
+  std::uint64_t seed = 1;
+  FaultOptions faults;
+};
+
+/// Declares the faults, in a group of the help.
+void declare(CLI::App& app, FaultOptions& options, const std::string& group);
+
+void declare(CLI::App& app, FaultCommand& command);
 
 /// Returns the faults that the options describe. Errors: cli::UsageError names the option and what it takes.
-Faults faults_of(const FaultOptions& options);
+Faults faults_of(const FaultOptions& options, std::uint64_t seed);
+
+/// Tells whether any fault is asked for.
+bool asks_for_any(const FaultOptions& options);
 
 }  // namespace slamd::simulate

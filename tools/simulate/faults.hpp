@@ -79,6 +79,9 @@ struct FaultCounts {
 FaultCounts inject_faults(const std::filesystem::path& in, const std::filesystem::path& out, const Faults& faults,
                           const std::function<void(double)>& progress);
 
+/// Writes faults.json. Errors: RecordingError.
+void write_faults(const Faults& faults, const FaultCounts& counts, const std::filesystem::path& file);
+
 /// faults.json.
 std::string faults_json(const Faults& faults, const FaultCounts& counts);
 

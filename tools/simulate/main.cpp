@@ -52,6 +52,9 @@ int run_replay(const simulate::Drive& drive, const std::string& out) {
     session.run(source, simulate::truth_of(scene.motion()), [&](double share) { progress.show(share); });
   }
   session.write_reports();
+  if (source.faults() != nullptr) {
+    simulate::write_faults(*drive.faults, *source.faults(), fs::path(out) / "faults.json");
+  }
   std::fputs(session.summary().c_str(), stdout);
   return 0;
 }
@@ -80,8 +83,8 @@ int run_simulation(const simulate::Options& options) {
   return 0;
 }
 
-int run_faults(const simulate::FaultOptions& options) {
-  const simulate::Faults faults = faults_of(options);
+int run_faults(const simulate::FaultCommand& options) {
+  const simulate::Faults faults = faults_of(options.faults, options.seed);
   make_directory(options.out, options.force);
   simulate::FaultCounts counts;
   {
@@ -96,14 +99,14 @@ int run_faults(const simulate::FaultOptions& options) {
 
 int main(int argc, char** argv) {
   simulate::Options options;
-  simulate::FaultOptions fault_options;
+  simulate::FaultCommand fault_command;
   CLI::App* faults = nullptr;
   return cli::run_program(
       argc, argv, "slamd-simulate", "Simulates a drive with exact truth as a recording of raw packets.",
       [&](CLI::App& app) {
         declare(app, options);
         faults = app.add_subcommand("faults", "Damages a copy of any recording");
-        declare(*faults, fault_options);
+        declare(*faults, fault_command);
       },
-      [&] { return faults->parsed() ? run_faults(fault_options) : run_simulation(options); });
+      [&] { return faults->parsed() ? run_faults(fault_command) : run_simulation(options); });
 }

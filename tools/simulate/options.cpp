@@ -129,6 +129,7 @@ void declare(CLI::App& app, Options& options) {
       ->group(kSensors);
   app.add_flag("--perfect-imu", options.perfect_imu, "Inertial sensors without any error")->group(kSensors);
   app.add_flag("--no-sky", options.covered, "GNSS never has a fix")->group(kSensors);
+  declare(app, options.faults, "Faults of what the sensors send, told in faults.json");
 }
 
 Drive drive_of(const Options& options) {
@@ -164,6 +165,9 @@ Drive drive_of(const Options& options) {
   drive.gnss_errors.covered =
       options.covered || drive.world == "indoor" || drive.world == "tunnel" || drive.world == "warehouse";
   drive.mesh = options.mesh;
+  if (asks_for_any(options.faults)) {
+    drive.faults = faults_of(options.faults, drive.seed);
+  }
   if (!options.waypoints.empty()) {
     drive.waypoints = read_waypoints(options.waypoints);
   }

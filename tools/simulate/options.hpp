@@ -3,6 +3,7 @@
 #include <string>
 
 #include "tools/simulate/drive.hpp"
+#include "tools/simulate/fault_options.hpp"
 
 namespace CLI {
 class App;
@@ -27,6 +28,7 @@ struct Options {
   double beam_bias_m = -1.0;
   bool perfect_imu = false;
   bool covered = false;
+  FaultOptions faults;
 };
 
 /// Declares the options of a simulation.

@@ -1,5 +1,7 @@
 #include "tools/simulate/scene.hpp"
 
+#include <cstdlib>
+
 namespace slamd::simulate {
 
 namespace {
@@ -15,6 +17,13 @@ std::unique_ptr<Scenery> scenery_of(const Drive& drive) {
   return scenery;
 }
 
+/// A number as it comes out of a file that holds it with so many decimals.
+double through_text(double value, const char* format) {
+  char text[48];
+  std::snprintf(text, sizeof text, format, value);
+  return std::strtod(text, nullptr);
+}
+
 Ride ride_of(const Drive& drive) {
   return {drive.vehicle,         drive.duration_s,     drive.speed_mps,     drive.rest_s, base_height_m(drive.vehicle),
           drive.turn_rate_radps, drive.bumps_per_100m, drive.vibration_mps2};
@@ -23,6 +32,20 @@ Ride ride_of(const Drive& drive) {
 }  // namespace
 
 Stamp stamp_at(double t_s) { return Stamp{} + std::chrono::seconds(kStart_unix_s) + from_seconds(t_s); }
+
+recording::Packet packet_of(const SentPacket& sent) {
+  return {stamp_at(sent.sent_s), sent.source_address, sent.source_port, sent.destination_port, sent.payload};
+}
+
+sensor::ImuSample written_sample(double t_s, const InertialReading& reading) {
+  sensor::ImuSample sample;
+  sample.stamp = stamp_at(t_s);
+  for (int axis = 0; axis < 3; ++axis) {
+    sample.angular_rate_radps[axis] = through_text(reading.rate_radps[axis], kRateFormat);
+    sample.specific_force_mps2[axis] = through_text(reading.force_mps2[axis], kForceFormat);
+  }
+  return sample;
+}
 
 Scene::Scene(const Drive& drive)
     : drive_(drive),

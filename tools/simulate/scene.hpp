@@ -4,6 +4,8 @@
 #include <optional>
 
 #include "core/base/stamp.hpp"
+#include "core/sensor/imu_sample.hpp"
+#include "drivers/recording/packet.hpp"
 #include "tools/simulate/drive.hpp"
 #include "tools/simulate/mid360_lidar.hpp"
 #include "tools/simulate/spinning_lidar.hpp"
@@ -20,7 +22,16 @@ inline constexpr double kTruth_hz = 100.0;
 inline constexpr const char* kRateFormat = "%.7f";   // rad/s
 inline constexpr const char* kForceFormat = "%.6f";  // m/s²
 
+/// Who packets are sent to, as captures tell: 192.168.1.50.
+inline constexpr std::uint32_t kHostAddress = 0xC0A80132;
+
 Stamp stamp_at(double t_s);
+
+/// A sent packet as it is received; its bytes stay where they are.
+recording::Packet packet_of(const SentPacket& sent);
+
+/// A reading with the decimals that imu.csv has.
+sensor::ImuSample written_sample(double t_s, const InertialReading& reading);
 
 /// A drive that can be looked at: its world, its motion and its LiDAR.
 class Scene {

@@ -1,7 +1,10 @@
 #include "tools/simulate/simulate.hpp"
 
+#include <cmath>
+
 #include "drivers/recording/pcap_writer.hpp"
 #include "drivers/storage/ply_writer.hpp"
+#include "tools/simulate/fault_injector.hpp"
 #include "tools/simulate/packet_stream.hpp"
 #include "tools/simulate/text_file.hpp"
 #include "tools/simulate/truth.hpp"
@@ -12,7 +15,6 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr std::uint32_t kHostAddress = 0xC0A80132;  // 192.168.1.50
 constexpr double kWheel_hz = 50.0;
 constexpr double kGnss_hz = 5.0;
 constexpr double kMapSpacing_m = 0.1;
@@ -25,13 +27,17 @@ void write_text(const std::string& text, const fs::path& file) {
   out.close();
 }
 
-void write_imu(const Scene& scene, const fs::path& file) {
+void write_imu(const Scene& scene, FaultInjector* injector, const fs::path& file) {
   TextFile out(file);
   std::fprintf(out.stream(), "timestamp_ns,gx_rad_s,gy_rad_s,gz_rad_s,ax_m_s2,ay_m_s2,az_m_s2,temp_c\n");
   InertialSensor sensor = scene.imu();
   double t_s = 0.0;
   for (InertialReading reading; sensor.next(t_s, reading);) {
-    std::fprintf(out.stream(), "%lld", stamp_ns(t_s));
+    sensor::ImuSample sample = written_sample(t_s, reading);
+    if (injector != nullptr && !injector->pass(sample)) {
+      continue;
+    }
+    std::fprintf(out.stream(), "%lld", static_cast<long long>(sample.stamp.time_since_epoch().count()));
     const auto write = [&](const Eigen::Vector3d& v, const char* format) {
       for (int axis = 0; axis < 3; ++axis) {
         char text[48];
@@ -39,8 +45,8 @@ void write_imu(const Scene& scene, const fs::path& file) {
         std::fprintf(out.stream(), ",%s", text);
       }
     };
-    write(reading.rate_radps, kRateFormat);
-    write(reading.force_mps2, kForceFormat);
+    write(sample.angular_rate_radps, kRateFormat);
+    write(sample.specific_force_mps2, kForceFormat);
     std::fprintf(out.stream(), ",%.2f\n", reading.temp_c);
   }
   out.close();
@@ -80,21 +86,28 @@ void write_map(const Scene& scene, const fs::path& file) {
   map.close();
 }
 
-std::uint64_t write_packets(const Scene& scene, const fs::path& file, const std::function<void(double)>& progress) {
+std::uint64_t write_packets(const Scene& scene, FaultInjector* injector, const fs::path& file,
+                            const std::function<void(double)>& progress) {
   recording::PcapWriter writer(file);
   PacketStream stream(scene);
   std::uint64_t count = 0;
-  for (const SentPacket* sent = nullptr; stream.next(sent); ++count) {
-    recording::Packet packet;
-    packet.received = stamp_at(sent->sent_s);
-    packet.source_address = sent->source_address;
-    packet.source_port = sent->source_port;
-    packet.destination_port = sent->destination_port;
-    packet.payload = sent->payload;
+  const auto write = [&](const recording::Packet& packet) {
     writer.write(packet, kHostAddress);
-    if (progress && count % 100 == 0) {
+    ++count;
+  };
+  std::uint64_t sent_count = 0;
+  for (const SentPacket* sent = nullptr; stream.next(sent); ++sent_count) {
+    if (injector != nullptr) {
+      injector->add(packet_of(*sent), write);
+    } else {
+      write(packet_of(*sent));
+    }
+    if (progress && sent_count % 100 == 0) {
       progress(stream.progress());
     }
+  }
+  if (injector != nullptr) {
+    injector->finish(write);
   }
   writer.close();
   return count;
@@ -104,9 +117,14 @@ std::uint64_t write_packets(const Scene& scene, const fs::path& file, const std:
 
 Summary simulate(const Drive& drive, const fs::path& directory, const std::function<void(double)>& progress) {
   const Scene scene(drive);
+  std::optional<FaultInjector> injector;
+  if (drive.faults) {
+    injector.emplace(*drive.faults, std::ceil(scene.motion().duration_s()));
+  }
+  FaultInjector* const faulty = injector ? &*injector : nullptr;
   write_truth(scene.motion(), directory / "truth.tum");
   write_loops(true_loops(scene.motion()), directory / "loops.csv");
-  write_imu(scene, directory / "imu.csv");
+  write_imu(scene, faulty, directory / "imu.csv");
   write_wheels(scene, directory / "odom.csv");
   write_gnss(scene, directory / "gnss.csv");
   write_text(recording_toml(drive), directory / "recording.toml");
@@ -116,8 +134,11 @@ Summary simulate(const Drive& drive, const fs::path& directory, const std::funct
   }
   Summary summary;
   summary.path_m = scene.path_m();
-  summary.packets = write_packets(scene, directory / "lidar.pcap", progress);
+  summary.packets = write_packets(scene, faulty, directory / "lidar.pcap", progress);
   summary.rays = scene.packets() * scene.lidar().shots();
+  if (injector) {
+    write_faults(*drive.faults, injector->counts(), directory / "faults.json");
+  }
   return summary;
 }
 

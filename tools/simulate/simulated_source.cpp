@@ -1,48 +1,54 @@
 #include "tools/simulate/simulated_source.hpp"
 
-#include <cstdlib>
+#include <cmath>
 
 #include "daemon/configuration/loader.hpp"
 
 namespace slamd::simulate {
 
-namespace {
-
-/// A number as it comes out of a file that holds it with so many decimals.
-double through_text(double value, const char* format) {
-  char text[48];
-  std::snprintf(text, sizeof text, format, value);
-  return std::strtod(text, nullptr);
+SimulatedSource::SimulatedSource(const Scene& scene) : stream_(scene), imu_(scene.imu()) {
+  if (scene.drive().faults) {
+    injector_.emplace(*scene.drive().faults, std::ceil(scene.motion().duration_s()));
+  }
 }
-
-}  // namespace
 
 bool SimulatedSource::next(recording::Packet& packet) {
   const SentPacket* sent = nullptr;
-  if (!stream_.next(sent)) {
+  if (!injector_) {
+    return stream_.next(sent) && (packet = packet_of(*sent), true);
+  }
+  const auto keep = [&](const recording::Packet& damaged) {
+    damaged_.push_back({damaged, {damaged.payload.begin(), damaged.payload.end()}});
+  };
+  if (!damaged_.empty()) {
+    damaged_.pop_front();
+  }
+  while (damaged_.empty() && more_) {
+    more_ = stream_.next(sent);
+    if (more_) {
+      injector_->add(packet_of(*sent), keep);
+    } else {
+      injector_->finish(keep);
+    }
+  }
+  if (damaged_.empty()) {
     return false;
   }
-  packet.received = stamp_at(sent->sent_s);
-  packet.source_address = sent->source_address;
-  packet.source_port = sent->source_port;
-  packet.destination_port = sent->destination_port;
-  packet.payload = sent->payload;
+  packet = damaged_.front().packet;
+  packet.payload = damaged_.front().payload;
   return true;
 }
 
 bool SimulatedSource::next_imu(sensor::ImuSample& sample) {
   double t_s = 0.0;
   InertialReading reading;
-  if (!imu_.next(t_s, reading)) {
-    return false;
+  while (imu_.next(t_s, reading)) {
+    sample = written_sample(t_s, reading);
+    if (!injector_ || injector_->pass(sample)) {
+      return true;
+    }
   }
-  sample = {};
-  sample.stamp = stamp_at(t_s);
-  for (int axis = 0; axis < 3; ++axis) {
-    sample.angular_rate_radps[axis] = through_text(reading.rate_radps[axis], kRateFormat);
-    sample.specific_force_mps2[axis] = through_text(reading.force_mps2[axis], kForceFormat);
-  }
-  return true;
+  return false;
 }
 
 evaluation::Trajectory truth_of(const Motion& motion) {

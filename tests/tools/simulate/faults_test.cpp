@@ -14,6 +14,7 @@
 #include "tools/replay/recording.hpp"
 #include "tools/replay/replay.hpp"
 #include "tools/simulate/simulate.hpp"
+#include "tools/simulate/simulated_source.hpp"
 
 namespace slamd::simulate {
 namespace {
@@ -151,6 +152,52 @@ TEST_F(FaultInjection, HasTheSameBytesForTheSameSeedOnly) {
 
   EXPECT_TRUE(text_of(folder_ / "one" / "lidar.pcap") == text_of(folder_ / "same" / "lidar.pcap"));
   EXPECT_FALSE(text_of(folder_ / "one" / "lidar.pcap") == text_of(folder_ / "other" / "lidar.pcap"));
+}
+
+TEST_F(FaultInjection, WhileSimulatingGivesTheBytesOfADamagedCopy) {
+  for (const LidarKind lidar : {LidarKind::kVlp16, LidarKind::kLivoxAvia}) {
+    Drive drive;
+    drive.lidar = lidar;
+    drive.duration_s = 10.0;
+    Faults faults = all_faults();
+    faults.clock_steps = {{4.0, -0.5}, {7.0, 2.0}};
+    faults.blackouts = {{5.0, 1.0}};
+    faults.imu_gaps = {{3.0, 0.3}};
+    const std::filesystem::path copy = made(std::string(name_of(lidar)) + "_copy");
+    inject_faults(recorded(lidar, 10.0), copy, faults, nullptr);
+    drive.faults = faults;
+
+    const std::filesystem::path sut = made(std::string(name_of(lidar)) + "_simulated");
+    simulate(drive, sut, nullptr);
+
+    for (const char* name : {"lidar.pcap", "imu.csv", "truth.tum", "faults.json"}) {
+      EXPECT_TRUE(text_of(sut / name) == text_of(copy / name)) << name_of(lidar) << " " << name;
+    }
+  }
+}
+
+TEST_F(FaultInjection, IsTheSameInAStreamForReplay) {
+  Drive drive;
+  drive.duration_s = 10.0;
+  drive.faults = all_faults();
+  drive.faults->clock_steps = {{4.0, 2.0}};
+  simulate(drive, folder_, nullptr);
+  const Scene scene(drive);
+
+  SimulatedSource sut(scene);
+
+  recording::PcapReader reader(folder_ / "lidar.pcap");
+  recording::Packet written;
+  recording::Packet streamed;
+  while (reader.next(written)) {
+    ASSERT_TRUE(sut.next(streamed));
+    ASSERT_EQ(streamed.received, written.received);
+    ASSERT_TRUE(std::equal(streamed.payload.begin(), streamed.payload.end(), written.payload.begin(), written.payload.end()));
+  }
+  EXPECT_FALSE(sut.next(streamed));
+  for (sensor::ImuSample sample; sut.next_imu(sample);) {
+  }
+  EXPECT_EQ(json::parse(faults_json(*drive.faults, *sut.faults())), faults_of(folder_));
 }
 
 TEST_F(FaultInjection, LeavesNothingInABlockedSector) {

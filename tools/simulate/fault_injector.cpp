@@ -1,6 +1,7 @@
-#include "tools/simulate/faulty_capture.hpp"
+#include "tools/simulate/fault_injector.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "core/base/bytes.hpp"
 
@@ -31,16 +32,22 @@ void scramble(std::span<std::byte> payload, Wire wire, const Noise& noise, std::
 
 }  // namespace
 
-FaultyCapture::FaultyCapture(const std::filesystem::path& file, const Faults& faults, std::uint64_t packets,
-                             FaultCounts& counts)
-    : writer_(file), faults_(faults), counts_(counts), noise_(faults.seed, 500) {
+FaultInjector::FaultInjector(const Faults& faults, double length_s) : faults_(faults), noise_(faults.seed, 500) {
   for (int i = 0; i < faults.burst.count; ++i) {
-    burst_begins_.push_back(
-        static_cast<std::uint64_t>(noise_.uniform(static_cast<std::uint64_t>(i)) * static_cast<double>(packets)));
+    bursts_s_.push_back(noise_.uniform(static_cast<std::uint64_t>(i)) * length_s);
   }
+  std::sort(bursts_s_.begin(), bursts_s_.end(), std::greater<>());
 }
 
-bool FaultyCapture::is_lost(double t_s, Wire wire, PacketFaults& counts) const {
+bool FaultInjector::is_in_burst(double t_s) {
+  for (; !bursts_s_.empty() && bursts_s_.back() <= t_s; bursts_s_.pop_back()) {
+    burst_end_ = number_ + static_cast<std::uint64_t>(faults_.burst.packets);
+  }
+  return number_ < burst_end_;
+}
+
+bool FaultInjector::is_lost(double t_s, Wire wire, PacketFaults& counts) {
+  const bool in_burst = is_in_burst(t_s);
   if (is_within(faults_.blackouts, t_s)) {
     ++counts.blackout;
     return true;
@@ -49,9 +56,6 @@ bool FaultyCapture::is_lost(double t_s, Wire wire, PacketFaults& counts) const {
     ++counts.gap;
     return true;
   }
-  const bool in_burst = std::any_of(burst_begins_.begin(), burst_begins_.end(), [&](std::uint64_t begin) {
-    return number_ >= begin && number_ < begin + static_cast<std::uint64_t>(faults_.burst.packets);
-  });
   if (in_burst) {
     ++counts.burst;
     return true;
@@ -64,7 +68,7 @@ bool FaultyCapture::is_lost(double t_s, Wire wire, PacketFaults& counts) const {
 }
 
 /// Damages the bytes in hand; tells whether they are still what they were.
-bool FaultyCapture::damage(Wire wire, PacketFaults& counts) {
+bool FaultInjector::damage(Wire wire, PacketFaults& counts) {
   const double draw = noise_.uniform(1001 + 8 * number_);
   if (draw < faults_.truncate) {
     const auto length =
@@ -82,25 +86,25 @@ bool FaultyCapture::damage(Wire wire, PacketFaults& counts) {
   return true;
 }
 
-void FaultyCapture::write(const recording::Packet& packet, Wire wire) {
-  recording::Packet written = packet;
-  written.received = std::max(packet.received, last_written_);
-  last_written_ = written.received;
-  writer_.write(written, 0xC0A80132);
+void FaultInjector::hand_on(const recording::Packet& packet, Wire wire, const Sink& sink) {
+  recording::Packet out = packet;
+  out.received = std::max(packet.received, last_);
+  last_ = out.received;
   ++counts_.of(wire).written;
+  sink(out);
 }
 
-void FaultyCapture::release(Stamp now) {
+void FaultInjector::release(Stamp now, const Sink& sink) {
   while (!held_.empty() && held_.front().left <= 0) {
     Held held = std::move(held_.front());
     held_.pop_front();
     held.packet.received = now;
     held.packet.payload = held.payload;
-    write(held.packet, held.wire);
+    hand_on(held.packet, held.wire, sink);
   }
 }
 
-void FaultyCapture::add(const recording::Packet& packet) {
+void FaultInjector::add(const recording::Packet& packet, const Sink& sink) {
   const Wire wire = wire_of(packet.payload);
   PacketFaults& counts = counts_.of(wire);
   first_ = first_.value_or(packet.received);
@@ -138,26 +142,56 @@ void FaultyCapture::add(const recording::Packet& packet) {
       return;
     }
   }
-  write(out, wire);
+  hand_on(out, wire, sink);
   if (!intact || !is_points(wire)) {
     return;
   }
   if (draw >= faults_.reorder && draw < faults_.reorder + faults_.duplicate) {
-    write(out, wire);
+    hand_on(out, wire, sink);
     ++counts.duplicated;
   }
   for (Held& held : held_) {
     --held.left;
   }
-  release(packet.received);
+  release(packet.received, sink);
 }
 
-void FaultyCapture::close() {
+void FaultInjector::finish(const Sink& sink) {
   for (Held& held : held_) {
     held.left = 0;
   }
-  release(last_written_);
-  writer_.close();
+  release(last_, sink);
+}
+
+bool FaultInjector::pass_row(Stamp& stamp) {
+  ++counts_.imu_rows_read;
+  first_row_ = first_row_.value_or(stamp);
+  if (is_within(faults_.imu_gaps, to_seconds(stamp - *first_row_))) {
+    ++counts_.imu_rows_gap;
+    return false;
+  }
+  stamp += from_seconds(faults_.imu_offset_s);
+  ++counts_.imu_rows_written;
+  return true;
+}
+
+bool FaultInjector::pass(sensor::ImuSample& row) {
+  if (!pass_row(row.stamp)) {
+    return false;
+  }
+  if (faults_.imu_clip) {
+    const sensor::ImuSample before = row;
+    const auto cut = [](double limit) {
+      return [limit](double value) { return limit > 0.0 ? std::clamp(value, -limit, limit) : value; };
+    };
+    row.angular_rate_radps = before.angular_rate_radps.unaryExpr(cut(faults_.imu_clip->rate_radps));
+    row.specific_force_mps2 = before.specific_force_mps2.unaryExpr(cut(faults_.imu_clip->force_mps2));
+    counts_.imu_rows_clipped += row.angular_rate_radps != before.angular_rate_radps ||
+                                        row.specific_force_mps2 != before.specific_force_mps2
+                                    ? 1
+                                    : 0;
+  }
+  return true;
 }
 
 }  // namespace slamd::simulate

@@ -1,0 +1,333 @@
+#include "tools/replay/network_player.hpp"
+
+#include <arpa/inet.h>
+#include <netdb.h>
+#include <netinet/in.h>
+#include <sched.h>
+#include <sys/prctl.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <charconv>
+#include <cmath>
+#include <cstdio>
+#include <ctime>
+#include <stdexcept>
+#include <system_error>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "drivers/livox/data_header.hpp"
+#include "drivers/transport/udp_receiver.hpp"
+#include "tools/cli/cli.hpp"
+
+namespace slamd::replay {
+
+using configuration::LidarModel;
+using recording::Packet;
+using sensor::ImuSample;
+
+namespace {
+
+constexpr std::uint8_t kLivoxImu = 6;  // data type; livox-sdk1.md §5
+
+std::uint32_t resolve(const std::string& host) {
+  addrinfo hints{};
+  hints.ai_family = AF_INET;
+  hints.ai_socktype = SOCK_DGRAM;
+  addrinfo* found = nullptr;
+  if (const int error = getaddrinfo(host.c_str(), nullptr, &hints, &found); error != 0) {
+    throw cli::UsageError("host " + host + ": " + gai_strerror(error));
+  }
+  const std::uint32_t address = ntohl(reinterpret_cast<const sockaddr_in*>(found->ai_addr)->sin_addr.s_addr);
+  freeaddrinfo(found);
+  return address;
+}
+
+std::uint16_t parse_port(const std::string& text) {
+  std::uint16_t port = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), port);
+  if (error != std::errc() || end != text.data() + text.size() || port == 0) {
+    throw cli::UsageError("port " + text + ": must be a whole number from 1 to 65535");
+  }
+  return port;
+}
+
+std::vector<std::string> split(const std::string& text) {
+  std::vector<std::string> parts;
+  for (std::size_t begin = 0; begin <= text.size();) {
+    const std::size_t end = std::min(text.find(':', begin), text.size());
+    parts.push_back(text.substr(begin, end - begin));
+    begin = end + 1;
+  }
+  return parts;
+}
+
+/// A sample as a row of the canonical CSV, which reads back to the same bits.
+std::string_view row_of(const ImuSample& sample, std::array<char, 256>& buffer) {
+  char* const end = buffer.data() + buffer.size();
+  char* at = std::to_chars(buffer.data(), end, sample.stamp.time_since_epoch().count()).ptr;
+  for (const Eigen::Vector3d* vector : {&sample.angular_rate_radps, &sample.specific_force_mps2}) {
+    for (const double value : *vector) {
+      *at++ = ',';
+      at = std::to_chars(at, end, value).ptr;
+    }
+  }
+  *at++ = '\n';
+  return {buffer.data(), static_cast<std::size_t>(at - buffer.data())};
+}
+
+double ms(Duration duration) { return 1e3 * to_seconds(duration); }
+
+}  // namespace
+
+void parse_destination(const std::string& text, ToNetworkOptions& options) {
+  const std::vector<std::string> parts = split(text);
+  if (parts.size() > 3 || parts[0].empty()) {
+    throw cli::UsageError("--to-network " + text + ": must be HOST[:DATA_PORT[:POSITION_PORT]]");
+  }
+  options.address = resolve(parts[0]);
+  options.data_port = parts.size() > 1 ? parse_port(parts[1]) : std::uint16_t{0};
+  options.position_port = parts.size() > 2 ? parse_port(parts[2]) : std::uint16_t{0};
+}
+
+void parse_imu_destination(const std::string& text, ToNetworkOptions& options) {
+  const std::vector<std::string> parts = split(text);
+  if (parts.size() == 3 && parts[0] == "udp") {
+    options.imu_address = resolve(parts[1]);
+    options.imu_port = parse_port(parts[2]);
+  } else if (parts.size() > 1 && parts[0] == "pty" && !parts[1].empty()) {
+    options.imu_terminal = text.substr(4);
+  } else {
+    throw cli::UsageError("--imu-to " + text + ": must be udp:HOST:PORT or pty:LINKPATH");
+  }
+}
+
+Duration MonotonicSendClock::now() {
+  std::timespec now{};
+  clock_gettime(CLOCK_MONOTONIC, &now);
+  return std::chrono::seconds(now.tv_sec) + Duration(now.tv_nsec);
+}
+
+void MonotonicSendClock::sleep_until(Duration deadline) {
+  const auto seconds = std::chrono::floor<std::chrono::seconds>(deadline);
+  const std::timespec at{seconds.count(), (deadline - seconds).count()};
+  clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &at, nullptr);
+}
+
+void ask_for_punctuality() {
+  const sched_param lowest_of_real_time{1};
+  sched_setscheduler(0, SCHED_FIFO | SCHED_RESET_ON_FORK, &lowest_of_real_time);
+  prctl(PR_SET_TIMERSLACK, 1UL);
+}
+
+/// A socket that sends to anyone.
+class NetworkPlayer::Socket {
+ public:
+  explicit Socket(SendClock& clock) : clock_(clock), fd_(socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0)) {
+    const int on = 1;
+    if (fd_ < 0 || setsockopt(fd_, SOL_SOCKET, SO_BROADCAST, &on, sizeof on) != 0) {
+      throw std::runtime_error("no UDP socket to be had: " + std::generic_category().message(errno));
+    }
+  }
+  ~Socket() { close(fd_); }
+  Socket(const Socket&) = delete;
+  Socket& operator=(const Socket&) = delete;
+
+  void send(std::span<const std::byte> payload, std::uint32_t address, std::uint16_t port) {
+    sockaddr_in to{};
+    to.sin_family = AF_INET;
+    to.sin_port = htons(port);
+    to.sin_addr.s_addr = htonl(address);
+    while (sendto(fd_, payload.data(), payload.size(), 0, reinterpret_cast<const sockaddr*>(&to), sizeof to) < 0) {
+      if (errno == ENOBUFS) {
+        clock_.sleep_until(clock_.now() + kBurstPause);
+      } else if (errno != EINTR) {
+        throw std::runtime_error(transport::dotted(address) + ":" + std::to_string(port) +
+                                 ": cannot be sent to: " + std::generic_category().message(errno));
+      }
+    }
+  }
+
+ private:
+  SendClock& clock_;
+  int fd_;
+};
+
+NetworkPlayer::NetworkPlayer(const configuration::LidarConfiguration& lidar, const ToNetworkOptions& options,
+                             SendClock& clock, const std::function<bool()>& stopped)
+    : lidar_(lidar), options_(options), clock_(clock), stopped_(stopped), socket_(std::make_unique<Socket>(clock)) {
+  if (!options.imu_terminal.empty()) {
+    terminal_ = std::make_unique<RowTerminal>(options.imu_terminal);
+  }
+}
+
+NetworkPlayer::~NetworkPlayer() = default;
+
+bool NetworkPlayer::takes_rows() const { return terminal_ || options_.imu_port != 0; }
+
+void NetworkPlayer::wait_for_reader() {
+  const Duration begin = clock_.now();
+  while (terminal_ && !terminal_->has_reader() && !is_stopped() && clock_.now() < begin + kReaderPatience) {
+    clock_.sleep_until(clock_.now() + std::chrono::milliseconds(10));
+  }
+}
+
+void NetworkPlayer::begin(Stamp first) {
+  first_ = now_ = first;
+  begin_ = clock_.now();
+  const auto wall = std::chrono::system_clock::now().time_since_epoch();
+  report_.wall_minus_recorded = std::chrono::duration_cast<Duration>(wall) - first_.time_since_epoch();
+}
+
+void NetworkPlayer::send(const Packet& packet) {
+  const Kind kind = kind_of(packet);
+  if (kind == Kind::kForeign) {
+    ++report_.foreign;
+    return;
+  }
+  if (!wait_until(packet.received)) {
+    return;
+  }
+  const std::uint16_t port = kind == Kind::kPosition ? options_.position_port : options_.data_port;
+  socket_->send(packet.payload, options_.address, port == 0 ? packet.destination_port : port);
+  switch (kind) {
+    case Kind::kPosition: ++report_.position; break;
+    case Kind::kImu: ++report_.imu_packets; break;
+    default: ++report_.lidar; break;
+  }
+}
+
+bool NetworkPlayer::send(const ImuSample& row) {
+  if (!wait_until(row.stamp)) {
+    return false;
+  }
+  std::array<char, 256> buffer;
+  const std::string_view text = row_of(row, buffer);
+  if (terminal_) {
+    ++(terminal_->write(text) ? report_.imu_rows : report_.imu_unheard);
+  } else {
+    socket_->send(std::as_bytes(std::span(text.data(), text.size())), options_.imu_address, options_.imu_port);
+    ++report_.imu_rows;
+  }
+  return true;
+}
+
+ToNetworkReport NetworkPlayer::finish() {
+  report_.recording = now_ - first_;
+  report_.took = clock_.now() - begin_;
+  drain_terminal();
+  report_.mean_lateness = events_ > 0 ? lateness_sum_ / events_ : Duration{};
+  return report_;
+}
+
+NetworkPlayer::Kind NetworkPlayer::kind_of(const Packet& packet) const {
+  if (lidar_.model == LidarModel::kLivoxAvia) {
+    if (lidar_.port != 0 && packet.destination_port != lidar_.port) {
+      return Kind::kForeign;
+    }
+    return packet.payload.size() >= livox::DataHeader::kBytes &&
+                   livox::parse_header(packet.payload).data_type == kLivoxImu
+               ? Kind::kImu
+               : Kind::kData;
+  }
+  if (packet.destination_port == lidar_.data_port()) {
+    return Kind::kData;
+  }
+  return packet.destination_port == lidar_.position_port ? Kind::kPosition : Kind::kForeign;
+}
+
+/// Waits for an event's time; false when the user does not want it any more.
+bool NetworkPlayer::wait_until(Stamp due) {
+  now_ = std::max(now_, due);
+  if (options_.speed > 0.0) {
+    const Duration deadline =
+        begin_ + Duration(std::llround(static_cast<double>((now_ - first_).count()) / options_.speed));
+    while (!is_stopped() && clock_.now() < deadline) {
+      clock_.sleep_until(deadline);
+      back_to_back_ = 0;
+    }
+    if (is_stopped()) {
+      return false;
+    }
+    const Duration lateness = clock_.now() - deadline;
+    report_.worst_lateness = std::max(report_.worst_lateness, lateness);
+    lateness_sum_ += lateness;
+    ++events_;
+  }
+  if (++back_to_back_ > kBurst) {  // late, or in no hurry: a receiver's buffer must not overflow
+    clock_.sleep_until(clock_.now() + kBurstPause);
+    back_to_back_ = 1;
+  }
+  return !is_stopped();
+}
+
+bool NetworkPlayer::is_stopped() {
+  report_.interrupted = report_.interrupted || (stopped_ && stopped_());
+  return report_.interrupted;
+}
+
+/// Lets the reader take what is in the terminal, which goes away with this program.
+void NetworkPlayer::drain_terminal() {
+  if (!terminal_) {
+    return;
+  }
+  const Duration begin = clock_.now();
+  do {
+    clock_.sleep_until(clock_.now() + std::chrono::milliseconds(20));
+  } while (!terminal_->is_drained() && !is_stopped() && clock_.now() < begin + std::chrono::seconds(1));
+  report_.imu_rows -= std::min<std::uint64_t>(report_.imu_rows, terminal_->rows_left());
+  report_.imu_unheard += terminal_->rows_left();
+}
+
+std::string json_of(const ToNetworkReport& report) {
+  nlohmann::ordered_json json;
+  json["sent"] = {{"lidar", report.lidar},
+                  {"position", report.position},
+                  {"imu_packets", report.imu_packets},
+                  {"imu_rows", report.imu_rows}};
+  json["not_sent"] = {{"foreign", report.foreign},
+                      {"imu_unheard", report.imu_unheard},
+                      {"imu_outside", report.imu_outside},
+                      {"imu_refused", report.imu_refused}};
+  json["lateness_ms"] = {{"mean", ms(report.mean_lateness)}, {"worst", ms(report.worst_lateness)}};
+  json["recording_s"] = to_seconds(report.recording);
+  json["took_s"] = to_seconds(report.took);
+  json["wall_minus_recorded_s"] = to_seconds(report.wall_minus_recorded);
+  json["interrupted"] = report.interrupted;
+  return json.dump(2) + "\n";
+}
+
+std::string summary_of(const ToNetworkReport& report) {
+  char text[512];
+  std::snprintf(text,
+                sizeof text,
+                "sent %llu LiDAR, %llu position and %llu inertial packets, and %llu inertial rows: %.1f s of the recording in "
+                "%.1f s%s\n  late by %.3f ms (mean), %.3f ms (worst)\n",
+                static_cast<unsigned long long>(report.lidar),
+                static_cast<unsigned long long>(report.position),
+                static_cast<unsigned long long>(report.imu_packets),
+                static_cast<unsigned long long>(report.imu_rows),
+                to_seconds(report.recording),
+                to_seconds(report.took),
+                report.interrupted ? ", then interrupted" : "",
+                ms(report.mean_lateness),
+                ms(report.worst_lateness));
+  std::string result = text;
+  const auto add = [&](std::uint64_t count, const char* what) {
+    if (count != 0) {
+      result += "  not sent: " + std::to_string(count) + " " + what + "\n";
+    }
+  };
+  add(report.foreign, "frames that are none of the LiDAR's");
+  add(report.imu_unheard, "inertial rows that nobody read from the terminal");
+  add(report.imu_outside, "inertial rows from before or after the LiDAR's packets");
+  add(report.imu_refused, "bad inertial rows");
+  return result;
+}
+
+}  // namespace slamd::replay
