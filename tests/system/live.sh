@@ -38,9 +38,9 @@ ip -n slamd_host route add 224.0.0.0/4 dev lo
 on_host() { ip netns exec slamd_host "$@"; }
 on_sensor() { ip netns exec slamd_sensor "$@"; }
 
-# live LIDAR IMU_SOURCE: maps a drive live and as a replay, and compares.
+# live LIDAR IMU_SOURCE [SECONDS]: maps a drive live and as a replay, and compares.
 live() {
-  local lidar=$1 imu=$2 work=$scratch/$1 daemon listener sent
+  local lidar=$1 imu=$2 seconds=${3:-$seconds} work=$scratch/$1 daemon listener sent
   mkdir -p "$work"
   "$bin/slamd-simulate" --out "$work/drive" --lidar "$lidar" --seed 21 --duration "$seconds" --imu-rate 400 >/dev/null ||
     { fail "$lidar: simulated"; return; }
@@ -99,6 +99,7 @@ live() {
 
 live vlp16 udp
 live livox_avia livox
+live livox_mid360 livox 12
 
 # A second daemon finds the port taken, and says by whom.
 printf '[[lidar]]\nmodel = "vlp16"\n' >"$scratch/lone.toml"
