@@ -13,7 +13,7 @@ struct Point {
   std::uint32_t offset_ns = 0;
   std::uint8_t intensity = 0;  // the sensor's own reflectivity scale
   std::uint8_t line = 0;       // ring (0 lowest) of a spinning sensor, laser line of a Livox
-  std::uint8_t tag = 0;        // Livox tag byte; 0 for sensors without one
+  std::uint8_t tag = 0;        // as in Livox SDK1: return number, noise; 0 for sensors without one
   std::uint8_t echo = 0;       // 0 first or only return of its firing, 1 second, 2 third
 };
 

@@ -8,6 +8,9 @@ namespace {
 /// Source: Livox SDK1 protocol; the lidar's origin lies at (41.65, 23.26, −28.40) mm in the imu frame.
 const Eigen::Vector3d kAviaImuInLidar_m{-0.04165, -0.02326, 0.0284};
 
+/// The Mid-360's, likewise. Source: Livox SDK2 protocol.
+const Eigen::Vector3d kMid360ImuInLidar_m{0.011, 0.02329, -0.04412};
+
 }  // namespace
 
 const char* name_of(LidarModel model) {
@@ -17,14 +20,17 @@ const char* name_of(LidarModel model) {
     case LidarModel::kVlp32c: return "vlp32c";
     case LidarModel::kHdl32e: return "hdl32e";
     case LidarModel::kLivoxAvia: return "livox_avia";
+    case LidarModel::kLivoxMid360: return "livox_mid360";
     case LidarModel::kPoints: return "points";
   }
   return "?";
 }
 
+bool is_livox(LidarModel model) { return model == LidarModel::kLivoxAvia || model == LidarModel::kLivoxMid360; }
+
 int LidarConfiguration::data_port() const {
   constexpr int kVelodynePort = 2368;
-  return port == 0 && model != LidarModel::kLivoxAvia ? kVelodynePort : port;
+  return port == 0 && !is_livox(model) ? kVelodynePort : port;
 }
 
 odometry::OdometryConfig resolved_odometry(const Configuration& configuration) {
@@ -36,8 +42,9 @@ odometry::OdometryConfig resolved_odometry(const Configuration& configuration) {
   } else if (configuration.imu.T_base_imu) {
     result.T_base_imu = *configuration.imu.T_base_imu;
   } else if (configuration.imu.source == "livox") {
-    result.T_base_imu =
-        configuration.lidar.T_base_lidar * geometry::Se3(Eigen::Matrix3d::Identity(), kAviaImuInLidar_m);
+    const bool avia = configuration.lidar.model == LidarModel::kLivoxAvia;
+    result.T_base_imu = configuration.lidar.T_base_lidar *
+                        geometry::Se3(Eigen::Matrix3d::Identity(), avia ? kAviaImuInLidar_m : kMid360ImuInLidar_m);
   }
   return result;
 }

@@ -26,7 +26,11 @@ class ConfigurationError : public std::runtime_error {
 };
 
 /// The LiDAR models of this release.
-enum class LidarModel { kVlp16, kVlp16HiRes, kVlp32c, kHdl32e, kLivoxAvia, kPoints };
+enum class LidarModel { kVlp16, kVlp16HiRes, kVlp32c, kHdl32e, kLivoxAvia, kLivoxMid360, kPoints };
+
+/// Tells whether a model is a Livox: cut by time, with an inertial sensor of its own, sending wherever it is told to.
+bool is_livox(LidarModel model);
+
 
 /// Whose time a sensor's stamps tell.
 enum class SensorClock { kEstimated, kShared };
@@ -36,6 +40,7 @@ struct LidarConfiguration {
   std::string source;         // file or folder in the recording; empty: the recording's only pcap
   int port = 0;               // UDP destination port of the data; 0: the model's own
   int position_port = 8308;   // Velodyne position packets
+  int imu_port = 56401;       // a Mid-360's own inertial samples
   std::string bind_address = "0.0.0.0";  // of this host; live
   std::string source_address;            // the sensor's; empty: the first that sends good packets; live
   geometry::Se3 T_base_lidar;

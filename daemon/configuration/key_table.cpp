@@ -187,13 +187,14 @@ void add_sensor_keys(std::vector<Key>& keys) {
                                                                 {"shared", SensorClock::kShared}};
   std::vector<std::pair<std::string, LidarModel>> models;
   for (const LidarModel model : {LidarModel::kVlp16, LidarModel::kVlp16HiRes, LidarModel::kVlp32c, LidarModel::kHdl32e,
-                                 LidarModel::kLivoxAvia, LidarModel::kPoints}) {
+                                 LidarModel::kLivoxAvia, LidarModel::kLivoxMid360, LidarModel::kPoints}) {
     models.emplace_back(name_of(model), model);
   }
   keys.push_back(choice("lidar.model", models, "What sends the packets; points: a folder of clouds.", SLAMD_FIELD(lidar.model)));
   keys.push_back(text("lidar.source", "File or folder of the recording; empty: its only pcap.", SLAMD_FIELD(lidar.source)));
   keys.push_back(number("lidar.port", 0, 65535, "UDP destination port of the data; 0: the model's own.", SLAMD_FIELD(lidar.port)));
   keys.push_back(number("lidar.position_port", 0, 65535, "UDP destination port of Velodyne position packets.", SLAMD_FIELD(lidar.position_port)));
+  keys.push_back(number("lidar.imu_port", 1, 65535, "UDP destination port of a Mid-360's own inertial samples.", SLAMD_FIELD(lidar.imu_port)));
   keys.push_back(text("lidar.bind_address", "Live: this host's address at which the packets arrive; 0.0.0.0: all of them, broadcasts included.", SLAMD_FIELD(lidar.bind_address)));
   keys.push_back(text("lidar.source_address", "Live: the sensor's own address; empty: the first that sends good packets.", SLAMD_FIELD(lidar.source_address)));
   add_transform(keys, "lidar.T_base_lidar", "The LiDAR's place in base.",

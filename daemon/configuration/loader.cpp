@@ -19,7 +19,7 @@ namespace slamd::configuration {
 namespace {
 
 /// Models that the design names and this release does not read.
-const std::set<std::string> kLaterModels{"livox_mid360", "livox_horizon", "livox_tele15", "livox_mid70"};
+const std::set<std::string> kLaterModels{"livox_horizon", "livox_tele15", "livox_mid70"};
 
 [[noreturn]] void fail(const std::string& place, const std::string& path, const std::string& value, const std::string& why) {
   throw ConfigurationError(place + path + (value.empty() ? "" : " = " + value) + ": " + why);
@@ -216,11 +216,13 @@ void Loader::check_together(const Configuration& configuration, const std::map<s
   if (!imu.enabled) {
     return;
   }
-  const bool livox = lidar.model == LidarModel::kLivoxAvia;
+  const bool livox = is_livox(lidar.model);
+  const bool mid360 = lidar.model == LidarModel::kLivoxMid360;
   refuse_if(imu.source == "livox" && !livox, "imu.source", "\"livox\"", "lidar.model has no built-in inertial sensor");
   refuse_if(imu.source == "serial" && imu.device.empty(), "imu.source", "\"serial\"",
             "needs imu.device, the terminal, such as \"/dev/ttyUSB0\"");
-  refuse_if(imu.source == "udp" && (imu.port == lidar.data_port() || (imu.port == lidar.position_port && !livox)), "imu.port",
+  refuse_if(imu.source == "udp" && (imu.port == lidar.data_port() || (imu.port == lidar.position_port && !livox) ||
+                                     (imu.port == lidar.imu_port && mid360)), "imu.port",
             std::to_string(imu.port), "is a port of the LiDAR");
 }
 

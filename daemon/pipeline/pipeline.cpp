@@ -15,9 +15,9 @@ constexpr Duration kLongestSleep = std::chrono::milliseconds(50);
 /// A second of 1 kHz.
 constexpr std::size_t kImuRing = 1024;
 
-/// A third of a second of packets: Avia 2,500/s, VLP-16 dual 1,508/s.
+/// A third of a second of packets: Avia 2,500/s, Mid-360 2,083/s, VLP-16 dual 1,508/s.
 std::size_t blocks_of(const Configuration& configuration) {
-  return configuration.lidar.model == LidarModel::kLivoxAvia ? 1024 : 512;
+  return is_livox(configuration.lidar.model) ? 1024 : 512;
 }
 
 bus::PublisherConfig publisher_config(const Configuration& configuration) {

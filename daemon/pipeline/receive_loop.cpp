@@ -20,19 +20,33 @@ using transport::UdpReceiver;
 namespace {
 
 constexpr std::uint16_t kVelodynePort = 2368;
-constexpr std::uint16_t kLivoxPort = 56001;  // the SDK's choice for the first device
+constexpr std::uint16_t kAviaPort = 56001;    // the SDK's choice for the first device
+constexpr std::uint16_t kMid360Port = 56301;  // the SDK's choice
 constexpr Duration kShowPeriod = std::chrono::milliseconds(100);
 constexpr Duration kSerialRetry = std::chrono::milliseconds(500);
 /// Silent for so long, the sensor may come back with another address.
 constexpr Duration kForgetSource = std::chrono::seconds(3);
 
-bool is_livox(const Configuration& configuration) { return configuration.lidar.model == LidarModel::kLivoxAvia; }
-
 std::uint16_t data_port(const Configuration& configuration) {
   if (configuration.lidar.port != 0) {
     return static_cast<std::uint16_t>(configuration.lidar.port);
   }
-  return is_livox(configuration) ? kLivoxPort : kVelodynePort;
+  switch (configuration.lidar.model) {
+    case LidarModel::kLivoxAvia: return kAviaPort;
+    case LidarModel::kLivoxMid360: return kMid360Port;
+    default: return kVelodynePort;
+  }
+}
+
+/// The port of what a LiDAR sends beside its points: position packets, or a Mid-360's own samples; 0: none.
+std::uint16_t second_port(const Configuration& configuration) {
+  int port = 0;
+  if (!is_livox(configuration.lidar.model)) {
+    port = configuration.lidar.position_port;
+  } else if (configuration.lidar.model == LidarModel::kLivoxMid360) {
+    port = configuration.lidar.imu_port;
+  }
+  return port == data_port(configuration) ? std::uint16_t{0} : static_cast<std::uint16_t>(port);
 }
 
 sensor::ClockConfig imu_clock_config(const Configuration& configuration) {
@@ -62,10 +76,9 @@ ReceiveLoop::ReceiveLoop(const Configuration& configuration, const transport::Ho
   }
   lidar_ = receiver(configuration, data_port(configuration), clock);
   watch(lidar_->fd(), kLidar);
-  const auto position_port = static_cast<std::uint16_t>(configuration.lidar.position_port);
-  if (!is_livox(configuration) && position_port != 0 && position_port != data_port(configuration)) {
-    position_ = receiver(configuration, position_port, clock);
-    watch(position_->fd(), kPosition);
+  if (const std::uint16_t port = second_port(configuration); port != 0) {
+    second_ = receiver(configuration, port, clock);
+    watch(second_->fd(), kSecond);
   }
   if (configuration.imu.enabled) {
     open_imu(configuration, clock);
@@ -111,7 +124,7 @@ void ReceiveLoop::run_once(Duration longest) {
   for (int i = 0; i < ready; ++i) {
     switch (events[static_cast<std::size_t>(i)].data.u32) {
       case kLidar: receive_lidar(*lidar_); break;
-      case kPosition: receive_lidar(*position_); break;
+      case kSecond: receive_lidar(*second_); break;
       default: receive_imu(); break;
     }
   }
@@ -152,8 +165,8 @@ void ReceiveLoop::take_packet(const Datagram& datagram, UdpReceiver& receiver) {
     counts_.lidar.last = datagram.received;
     if (!receiver.pinned()) {
       receiver.pin(datagram.source_address);
-      if (position_) {
-        position_->pin(datagram.source_address);
+      if (second_) {
+        second_->pin(datagram.source_address);
       }
       counts_.lidar.source_address = datagram.source_address;
     }
@@ -234,8 +247,8 @@ void ReceiveLoop::show(Stamp now) {
   note_silence(counts_.imu, imu_heard_, Event::kImuHeard, Event::kImuSilent, now);
   if (counts_.lidar.last != Stamp{} && now - counts_.lidar.last > kForgetSource) {
     lidar_->unpin();
-    if (position_) {
-      position_->unpin();
+    if (second_) {
+      second_->unpin();
     }
   }
   const transport::UdpCounters udp = lidar_->counters();
@@ -268,8 +281,8 @@ stages::NamedCounts ReceiveLoop::packets() const {
     }
   };
   transport::UdpCounters sum = lidar_->counters();
-  if (position_) {
-    const transport::UdpCounters more = position_->counters();
+  if (second_) {
+    const transport::UdpCounters more = second_->counters();
     sum.foreign_source += more.foreign_source;
     sum.truncated += more.truncated;
     sum.kernel_lost += more.kernel_lost;

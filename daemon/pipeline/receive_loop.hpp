@@ -69,7 +69,7 @@ class ReceiveLoop {
   std::string buffer_remark() const;
 
  private:
-  enum Source : std::uint32_t { kLidar, kPosition, kImu };
+  enum Source : std::uint32_t { kLidar, kSecond, kImu };
 
   void open_imu(const configuration::Configuration& configuration, const transport::HostClock& clock);
   void watch(int fd, Source source);
@@ -87,7 +87,7 @@ class ReceiveLoop {
   Rings& rings_;
   stages::PacketStage packets_;
   std::unique_ptr<transport::UdpReceiver> lidar_;
-  std::unique_ptr<transport::UdpReceiver> position_;  // where it has a port of its own
+  std::unique_ptr<transport::UdpReceiver> second_;  // where it has a port of its own
   std::unique_ptr<transport::UdpReceiver> imu_udp_;
   std::unique_ptr<transport::SerialPort> imu_serial_;
   imu::CsvRows imu_rows_;

@@ -34,13 +34,11 @@ std::string hex(std::uint8_t value) {
   return std::string("0x") + digits[value >> 4] + digits[value & 15];
 }
 
-bool is_livox(const Configuration& configuration) { return configuration.lidar.model == LidarModel::kLivoxAvia; }
-
 }  // namespace
 
 sensor::ScanAssemblerConfig assembler_config(const Configuration& configuration) {
   sensor::ScanAssemblerConfig config;
-  config.rule = is_livox(configuration) ? sensor::CutRule::kPeriod : sensor::CutRule::kAzimuth;
+  config.rule = is_livox(configuration.lidar.model) ? sensor::CutRule::kPeriod : sensor::CutRule::kAzimuth;
   config.cut_azimuth_deg = configuration.lidar.cut_azimuth_deg;
   config.period = configuration.lidar.scan_period;
   config.max_points = configuration.odometry.preprocess.max_points;
@@ -59,12 +57,15 @@ NamedCounts named_counts(const sensor::ScanAssemblerCounts& scans) {
 }
 
 PacketStage::PacketStage(const Configuration& configuration)
-    : livox_(is_livox(configuration)),
+    : livox_(is_livox(configuration.lidar.model)),
+      sdk2_(configuration.lidar.model == LidarModel::kLivoxMid360),
       takes_imu_(configuration.imu.enabled && configuration.imu.source == "livox"),
       port_(configuration.lidar.port == 0 && !livox_ ? kVelodynePort : configuration.lidar.port),
       position_port_(configuration.lidar.position_port),
+      imu_port_(sdk2_ ? configuration.lidar.imu_port : port_),
       velodyne_({velodyne_model(configuration.lidar.model), configuration.lidar.vertical_parallax}),
       livox_decoder_(livox::LivoxConfig{}),
+      sdk2_decoder_(livox::Sdk2Config{}),
       clock_(clock_config(configuration, livox_)) {}
 
 PacketOutcome PacketStage::add(const recording::Packet& packet, sensor::PointBlock& block) {
@@ -96,13 +97,22 @@ PacketOutcome PacketStage::add_velodyne(const recording::Packet& packet, sensor:
   return outcome;
 }
 
+livox::DecodeResult PacketStage::decode_livox(const recording::Packet& packet, sensor::PointBlock& block) {
+  return sdk2_ ? sdk2_decoder_.decode(packet.payload, packet.received, block, imu_reading_)
+               : livox_decoder_.decode(packet.payload, packet.received, block, imu_reading_);
+}
+
+const livox::LivoxCounters& PacketStage::livox_counters() const {
+  return sdk2_ ? sdk2_decoder_.counters().decoded : livox_decoder_.counters();
+}
+
 PacketOutcome PacketStage::add_livox(const recording::Packet& packet, sensor::PointBlock& block) {
   PacketOutcome outcome;
-  if (port_ != 0 && packet.destination_port != port_) {
+  if (port_ != 0 && packet.destination_port != port_ && packet.destination_port != imu_port_) {
     ++foreign_;
     return outcome;
   }
-  switch (livox_decoder_.decode(packet.payload, packet.received, block, imu_reading_)) {
+  switch (decode_livox(packet, block)) {
     case livox::DecodeResult::kPoints:
       stamp(block);
       outcome.has_block = true;
@@ -131,7 +141,7 @@ NamedCounts PacketStage::packets() const {
     for (std::size_t i = 0; i < livox::kDecodeResults; ++i) {
       const auto result = static_cast<livox::DecodeResult>(i);
       const bool good = result == livox::DecodeResult::kPoints || result == livox::DecodeResult::kImu;
-      add_if((good ? "" : "refused_") + std::string(livox::name_of(result)), livox_decoder_.counters().of(result), good);
+      add_if((good ? "" : "refused_") + std::string(livox::name_of(result)), livox_counters().of(result), good);
     }
   } else {
     for (std::size_t i = 0; i < velodyne::kDecodeResults; ++i) {
@@ -159,6 +169,16 @@ std::vector<std::string> PacketStage::remarks() const {
   if (foreign_ != 0) {
     lines.push_back(std::to_string(foreign_) + " packets went to other ports than the sensor's (" +
                     std::to_string(port_) + ")");
+  }
+  if (const livox::Sdk2Counters& sdk2 = sdk2_decoder_.counters(); sdk2_) {
+    const std::uint64_t missing = sdk2.points_packets_missing + sdk2.imu_packets_missing;
+    if (missing != 0) {
+      lines.push_back("by their own numbers, " + std::to_string(sdk2.points_packets_missing) + " packets of points and " +
+                      std::to_string(sdk2.imu_packets_missing) + " of the inertial sensor are missing");
+    }
+    if (sdk2.without_checksum != 0) {
+      lines.push_back(std::to_string(sdk2.without_checksum) + " packets came without a checksum");
+    }
   }
   if (clock_.health().steps != 0) {
     lines.push_back("the sensor's clock jumped " + std::to_string(clock_.health().steps) + " times");

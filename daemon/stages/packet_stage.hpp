@@ -11,6 +11,7 @@
 #include "core/sensor/scan_assembler.hpp"
 #include "daemon/configuration/configuration.hpp"
 #include "drivers/livox/livox_decoder.hpp"
+#include "drivers/livox/sdk2_decoder.hpp"
 #include "drivers/recording/packet.hpp"
 #include "drivers/velodyne/decoder.hpp"
 #include "drivers/velodyne/position.hpp"
@@ -55,14 +56,19 @@ class PacketStage {
  private:
   PacketOutcome add_velodyne(const recording::Packet& packet, sensor::PointBlock& block);
   PacketOutcome add_livox(const recording::Packet& packet, sensor::PointBlock& block);
+  livox::DecodeResult decode_livox(const recording::Packet& packet, sensor::PointBlock& block);
+  const livox::LivoxCounters& livox_counters() const;
   void stamp(sensor::PointBlock& block);
 
   bool livox_;
+  bool sdk2_;  // which of the two that a Livox speaks
   bool takes_imu_;
   int port_;
   int position_port_;
+  int imu_port_;
   velodyne::Decoder velodyne_;
   livox::LivoxDecoder livox_decoder_;
+  livox::Sdk2Decoder sdk2_decoder_;
   sensor::ClockModel clock_;
   livox::ImuReading imu_reading_;  // scratch
   velodyne::Position position_;   // the last one

@@ -1,12 +1,10 @@
 #include "drivers/livox/livox_decoder.hpp"
 
-#include <algorithm>
-#include <cmath>
-#include <numbers>
 #include <optional>
 
 #include "core/base/assert.hpp"
 #include "core/base/bytes.hpp"
+#include "drivers/livox/wire_return.hpp"
 
 namespace slamd::livox {
 
@@ -15,37 +13,11 @@ namespace {
 constexpr std::uint8_t kControlSof = 0xAA;
 constexpr std::size_t kShortestControlFrame = 15;
 constexpr std::uint8_t kImuDataType = 6;
-constexpr std::size_t kImuBytes = 24;
-constexpr double kStandardGravity_mps2 = 9.80665;
 constexpr std::uint64_t kNanosecondsPerSecond = 1'000'000'000;
 
 bool is_control_frame(std::span<const std::byte> payload) {
   return payload.size() >= kShortestControlFrame &&
          load_le<std::uint8_t>(payload, 0) == kControlSof;
-}
-
-/// Reads a float that must be finite; clears finite otherwise.
-double finite_float(std::span<const std::byte> bytes, std::size_t offset, bool& finite) {
-  const auto value = load_le<float>(bytes, offset);
-  finite = finite && std::isfinite(value);
-  return value;
-}
-
-/// The direction of a spherical firing.
-struct Direction {
-  std::uint16_t zenith_cdeg = 0;   // from +z
-  std::uint16_t azimuth_cdeg = 0;  // from +x towards +y
-
-  bool valid() const { return zenith_cdeg <= 18000 && azimuth_cdeg <= 36000; }
-};
-
-std::array<double, 3> unit_vector(const Direction& direction) {
-  constexpr double kRadPerCdeg = std::numbers::pi / 18000.0;
-  const double zenith_rad = direction.zenith_cdeg * kRadPerCdeg;
-  const double azimuth_rad = direction.azimuth_cdeg * kRadPerCdeg;
-  return {std::sin(zenith_rad) * std::cos(azimuth_rad),
-          std::sin(zenith_rad) * std::sin(azimuth_rad),
-          std::cos(zenith_rad)};
 }
 
 /// One return as it is on the wire; which of the coordinates count, the layout says.
@@ -58,9 +30,7 @@ struct WireReturn {
 
 WireReturn cartesian_return(std::span<const std::byte> bytes, bool tagged) {
   WireReturn wire;
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    wire.xyz_mm[axis] = load_le<std::int32_t>(bytes, 4 * axis);
-  }
+  wire.xyz_mm = load_xyz_mm(bytes);
   wire.reflectivity = load_le<std::uint8_t>(bytes, 12);
   wire.tag = tagged ? load_le<std::uint8_t>(bytes, 13) : std::uint8_t{0};
   return wire;
@@ -121,32 +91,6 @@ struct LivoxDecoder::Layout {
   std::size_t bytes() const { return firings * firing_bytes; }
 };
 
-std::string_view name_of(DecodeResult result) {
-  switch (result) {
-    case DecodeResult::kPoints:
-      return "points";
-    case DecodeResult::kImu:
-      return "imu";
-    case DecodeResult::kControlFrame:
-      return "control_frame";
-    case DecodeResult::kTooShort:
-      return "too_short";
-    case DecodeResult::kUnknownVersion:
-      return "unknown_version";
-    case DecodeResult::kUnknownDataType:
-      return "unknown_data_type";
-    case DecodeResult::kWrongLength:
-      return "wrong_length";
-    case DecodeResult::kBadTimestampType:
-      return "bad_timestamp_type";
-    case DecodeResult::kBadTimestamp:
-      return "bad_timestamp";
-    case DecodeResult::kBadImu:
-      return "bad_imu";
-  }
-  return "?";
-}
-
 LivoxDecoder::LivoxDecoder(const LivoxConfig& config) : config_(config) {
   SLAMD_ASSERT(config.firings_per_second >= 1000 && config.lines > 0);
   SLAMD_ASSERT(config.min_range_m < config.max_range_m);
@@ -196,15 +140,8 @@ DecodeResult LivoxDecoder::decode_checked(std::span<const std::byte> payload,
     block.received = received;
     decode_points(*layout, body, block);
   } else {
-    bool finite = true;
     ImuReading reading{*stamp, received};
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      const auto i = static_cast<Eigen::Index>(axis);
-      reading.angular_rate_radps[i] = finite_float(body, 4 * axis, finite);
-      reading.specific_force_mps2[i] =
-          finite_float(body, 12 + 4 * axis, finite) * kStandardGravity_mps2;
-    }
-    if (!finite) {
+    if (!read_imu(body, reading)) {
       return DecodeResult::kBadImu;
     }
     imu = reading;
@@ -259,7 +196,7 @@ bool LivoxDecoder::decode_spherical(const Layout& layout,
                                     sensor::Point point,
                                     sensor::PointBlock& block) {
   const Direction direction = direction_of(firing, layout.echoes);
-  const std::array<double, 3> unit = unit_vector(direction);
+  const std::array<double, 3> unit = direction.unit_vector();
   bool any_return = false;
   for (std::size_t echo = 0; echo < layout.echoes; ++echo) {
     const auto wire = spherical_return(firing, echo, layout.echoes, layout.tagged);
@@ -284,15 +221,9 @@ bool LivoxDecoder::decode_spherical(const Layout& layout,
 void LivoxDecoder::append(const std::array<double, 3>& p_lidar_m,
                           sensor::Point point,
                           sensor::PointBlock& block) {
-  const double range_m = std::hypot(p_lidar_m[0], p_lidar_m[1], p_lidar_m[2]);
-  if (range_m < config_.min_range_m || range_m > config_.max_range_m) {
+  if (!append_within({config_.min_range_m, config_.max_range_m}, p_lidar_m, point, block)) {
     ++counters_.out_of_range;
-    return;
   }
-  point.x_m = static_cast<float>(p_lidar_m[0]);
-  point.y_m = static_cast<float>(p_lidar_m[1]);
-  point.z_m = static_cast<float>(p_lidar_m[2]);
-  block.points.push_back(point);
 }
 
 std::uint32_t LivoxDecoder::offset_ns(std::size_t firing) const {

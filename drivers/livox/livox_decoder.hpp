@@ -4,11 +4,11 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
-#include <string_view>
 
 #include "core/base/stamp.hpp"
 #include "core/sensor/point_block.hpp"
 #include "drivers/livox/data_header.hpp"
+#include "drivers/livox/decode_result.hpp"
 #include "drivers/livox/imu_reading.hpp"
 #include "drivers/livox/status_code.hpp"
 
@@ -20,35 +20,6 @@ struct LivoxConfig {
   std::uint8_t lines = 6;                      // Mid-40 and Mid-70: 1
   double min_range_m = 0.1;                    // nearer returns come from the sensor's own window
   double max_range_m = 460.0;
-};
-
-/// What became of a datagram; all but the first two are refusals.
-enum class DecodeResult : std::uint8_t {
-  kPoints,
-  kImu,
-  kControlFrame,      // a command or its answer (0xAA): right protocol, wrong port
-  kTooShort,          // no room for the header
-  kUnknownVersion,    // not the 5 of SDK1
-  kUnknownDataType,   // not 0..8
-  kWrongLength,       // not what the data type asks for
-  kBadTimestampType,  // reserved
-  kBadTimestamp,      // no date, or out of range
-  kBadImu,            // infinite or not a number
-};
-
-inline constexpr std::size_t kDecodeResults = 10;
-
-/// Names a result as reports and health spell it.
-std::string_view name_of(DecodeResult result);
-
-struct LivoxCounters {
-  std::array<std::uint64_t, kDecodeResults> packets{};  // by DecodeResult
-  std::uint64_t points = 0;                             // given out
-  std::uint64_t empty_firings = 0;                      // without any return
-  std::uint64_t out_of_range = 0;                       // returns outside the range gate
-  std::uint64_t bad_angles = 0;                         // spherical returns beyond 180° or 360°
-
-  std::uint64_t of(DecodeResult result) const { return packets[static_cast<std::size_t>(result)]; }
 };
 
 /// Decodes the data packets of a Livox that speaks SDK1 (livox-sdk1.md §5): data types 0 to 8.

@@ -9,9 +9,9 @@ seconds=${SLAMD_LIVE_SECONDS:-25}
 
 . tests/system/network.bash
 
-# live LIDAR IMU_SOURCE: maps a drive live and as a replay, and compares.
+# live LIDAR IMU_SOURCE [SECONDS]: maps a drive live and as a replay, and compares.
 live() {
-  local lidar=$1 imu=$2 work=$scratch/$1 daemon listener sent
+  local lidar=$1 imu=$2 seconds=${3:-$seconds} work=$scratch/$1 daemon listener sent
   mkdir -p "$work"
   "$bin/slamd-simulate" --out "$work/drive" --lidar "$lidar" --seed 21 --duration "$seconds" --imu-rate 400 >/dev/null ||
     { fail "$lidar: simulated"; return; }
@@ -62,6 +62,7 @@ live() {
 
 live vlp16 udp
 live livox_avia livox
+live livox_mid360 livox 12
 
 # A second daemon finds the port taken, and says by whom.
 printf '[[lidar]]\nmodel = "vlp16"\n' >"$scratch/lone.toml"

@@ -22,6 +22,7 @@
 #include <nlohmann/json.hpp>
 
 #include "drivers/livox/data_header.hpp"
+#include "drivers/livox/sdk2_header.hpp"
 #include "drivers/transport/udp_receiver.hpp"
 #include "tools/cli/cli.hpp"
 
@@ -34,6 +35,16 @@ using sensor::ImuSample;
 namespace {
 
 constexpr std::uint8_t kLivoxImu = 6;  // data type; livox-sdk1.md §5
+constexpr std::uint8_t kSdk2Imu = 0;   // livox-sdk2.md §4
+
+bool is_sdk1_imu(const Packet& packet) {
+  return packet.payload.size() >= livox::DataHeader::kBytes && livox::parse_header(packet.payload).data_type == kLivoxImu;
+}
+
+bool is_sdk2_imu(const Packet& packet) {
+  return packet.payload.size() >= livox::Sdk2Header::kBytes &&
+         livox::parse_sdk2_header(packet.payload).data_type == kSdk2Imu;
+}
 
 std::uint32_t resolve(const std::string& host) {
   addrinfo hints{};
@@ -193,7 +204,8 @@ void NetworkPlayer::send(const Packet& packet) {
   if (!wait_until(packet.received)) {
     return;
   }
-  const std::uint16_t port = kind == Kind::kPosition ? options_.position_port : options_.data_port;
+  const bool beside = kind == Kind::kPosition || (kind == Kind::kImu && lidar_.model == LidarModel::kLivoxMid360);
+  const std::uint16_t port = beside ? options_.position_port : options_.data_port;
   socket_->send(packet.payload, options_.address, port == 0 ? packet.destination_port : port);
   switch (kind) {
     case Kind::kPosition: ++report_.position; break;
@@ -226,14 +238,13 @@ ToNetworkReport NetworkPlayer::finish() {
 }
 
 NetworkPlayer::Kind NetworkPlayer::kind_of(const Packet& packet) const {
-  if (lidar_.model == LidarModel::kLivoxAvia) {
-    if (lidar_.port != 0 && packet.destination_port != lidar_.port) {
+  if (is_livox(lidar_.model)) {
+    const bool mid360 = lidar_.model == LidarModel::kLivoxMid360;
+    const bool known = packet.destination_port == lidar_.port || (mid360 && packet.destination_port == lidar_.imu_port);
+    if (lidar_.port != 0 && !known) {
       return Kind::kForeign;
     }
-    return packet.payload.size() >= livox::DataHeader::kBytes &&
-                   livox::parse_header(packet.payload).data_type == kLivoxImu
-               ? Kind::kImu
-               : Kind::kData;
+    return (mid360 ? is_sdk2_imu(packet) : is_sdk1_imu(packet)) ? Kind::kImu : Kind::kData;
   }
   if (packet.destination_port == lidar_.data_port()) {
     return Kind::kData;

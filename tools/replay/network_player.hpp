@@ -18,7 +18,7 @@ namespace slamd::replay {
 struct ToNetworkOptions {
   std::uint32_t address = 0;        // host order
   std::uint16_t data_port = 0;      // 0: the one that each packet was recorded with
-  std::uint16_t position_port = 0;  // Velodyne position packets; 0: as above
+  std::uint16_t position_port = 0;  // Velodyne position packets, a Mid-360's inertial ones; 0: as above
   double speed = 1.0;               // 0: as fast as kBurst packets and a pause go
 
   // Inertial rows: one a datagram, or lines of a pseudo terminal. Neither: they are left out.

@@ -85,13 +85,13 @@ INSTANTIATE_TEST_SUITE_P(
                "robot.toml:4: odometry.environment = 'underwater': must be one of \"auto\", \"indoor\", \"outdoor\""},
         Broken{"NoSuchModel", "[[lidar]]\nmodel = \"vlp64\"\n",
                "robot.toml:2: lidar.model = 'vlp64': must be one of \"vlp16\", \"vlp16_hires\", \"vlp32c\", \"hdl32e\", "
-               "\"livox_avia\", \"points\""},
-        Broken{"ModelOfALaterRelease", "[[lidar]]\nmodel = \"livox_mid360\"\n",
-               "robot.toml:2: lidar.model = 'livox_mid360': not read by this release; must be one of \"vlp16\", "
-               "\"vlp16_hires\", \"vlp32c\", \"hdl32e\", \"livox_avia\", \"points\""},
+               "\"livox_avia\", \"livox_mid360\", \"points\""},
+        Broken{"ModelOfALaterRelease", "[[lidar]]\nmodel = \"livox_horizon\"\n",
+               "robot.toml:2: lidar.model = 'livox_horizon': not read by this release; must be one of \"vlp16\", "
+               "\"vlp16_hires\", \"vlp32c\", \"hdl32e\", \"livox_avia\", \"livox_mid360\", \"points\""},
         Broken{"NoModel", "[[lidar]]\nport = 2368\n",
                "robot.toml: lidar.model: missing; must be one of \"vlp16\", \"vlp16_hires\", \"vlp32c\", \"hdl32e\", "
-               "\"livox_avia\", \"points\" (the shortest configuration: [[lidar]] model = \"vlp16\")"},
+               "\"livox_avia\", \"livox_mid360\", \"points\" (the shortest configuration: [[lidar]] model = \"vlp16\")"},
         Broken{"TwoLidars", "[[lidar]]\nmodel = \"vlp16\"\n[[lidar]]\nmodel = \"hdl32e\"\n",
                "robot.toml:3: lidar: this release takes exactly one [[lidar]]"},
         Broken{"LidarInSingleBrackets", "[lidar]\nmodel = \"vlp16\"\n",

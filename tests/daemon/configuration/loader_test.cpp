@@ -54,6 +54,7 @@ TEST_F(LoaderTest, TakesAModelAsAWholeConfiguration) {
 TEST_F(LoaderTest, FillsInWhatTheModelsPresetSays) {
   EXPECT_FLOAT_EQ(loaded("[[lidar]]\nmodel = \"vlp16\"\n").odometry.preprocess.self_filter.max_range_m, 100.0F);
   EXPECT_FLOAT_EQ(loaded("[[lidar]]\nmodel = \"livox_avia\"\n").odometry.preprocess.self_filter.max_range_m, 200.0F);
+  EXPECT_FLOAT_EQ(loaded("[[lidar]]\nmodel = \"livox_mid360\"\n").odometry.preprocess.self_filter.max_range_m, 70.0F);
 }
 
 TEST_F(LoaderTest, LetsAFileWinOverThePresetAndAnOverrideOverTheFile) {
@@ -124,11 +125,19 @@ TEST_F(LoaderTest, KnowsThePortOfEachModelsData) {
   EXPECT_EQ(loaded("[[lidar]]\nmodel = \"vlp16\"\n").lidar.data_port(), 2368);
   EXPECT_EQ(loaded("[[lidar]]\nmodel = \"vlp16\"\nport = 2400\n").lidar.data_port(), 2400);
   EXPECT_EQ(loaded("[[lidar]]\nmodel = \"livox_avia\"\n").lidar.data_port(), 0);
+  EXPECT_EQ(loaded("[[lidar]]\nmodel = \"livox_mid360\"\n").lidar.data_port(), 0);
 }
 
 TEST_F(LoaderTest, PlacesTheAviasOwnImuFromItsLidar) {
   const Configuration configuration = loaded(
       "[[lidar]]\nmodel = \"livox_avia\"\nT_base_lidar = { xyz_m = [0.04165, 0.02326, -0.0284] }\n[imu]\nsource = \"livox\"\n");
+
+  EXPECT_LT(resolved_odometry(configuration).T_base_imu.translation().norm(), 1e-12);
+}
+
+TEST_F(LoaderTest, PlacesTheMid360sOwnImuFromItsLidar) {
+  const Configuration configuration = loaded(
+      "[[lidar]]\nmodel = \"livox_mid360\"\nT_base_lidar = { xyz_m = [-0.011, -0.02329, 0.04412] }\n[imu]\nsource = \"livox\"\n");
 
   EXPECT_LT(resolved_odometry(configuration).T_base_imu.translation().norm(), 1e-12);
 }

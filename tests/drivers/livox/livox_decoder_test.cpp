@@ -16,12 +16,11 @@
 #include <vector>
 
 #include "core/base/bytes.hpp"
+#include "hex.hpp"
 #include "tests/support/allocation_guard.hpp"
 
 namespace slamd::livox {
 namespace {
-
-using Bytes = std::vector<std::byte>;
 
 constexpr Stamp kReceived{std::chrono::seconds{1'700'000'001}};
 
@@ -37,14 +36,6 @@ constexpr std::string_view kPointType8 = "28233C8C393000004D10A05B00000520000000
 constexpr std::string_view kImuPacket =
     "0501010000600000010615CD853DFE9C97170AD7233C0AD7A3BC8FC2F53C00000000000000000000803F";
 constexpr std::string_view kHeartbeat = "AA010F0000000004D7000338BA8D0C";
-
-Bytes from_hex(std::string_view hex) {
-  Bytes bytes;
-  for (std::size_t i = 0; i + 1 < hex.size(); i += 2) {
-    bytes.push_back(static_cast<std::byte>(std::stoi(std::string(hex.substr(i, 2)), nullptr, 16)));
-  }
-  return bytes;
-}
 
 struct TypeSize {
   std::uint8_t data_type;

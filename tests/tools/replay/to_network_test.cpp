@@ -371,6 +371,30 @@ TEST_F(ToNetwork, TellsPacketsOfABuiltInImuFromPoints) {
   EXPECT_EQ(data_.payloads.size(), 30U);
 }
 
+TEST_F(ToNetwork, SendsTheInertialPacketsOfAMid360ToTheirOwnPort) {
+  recording::PcapWriter writer(folder_ / "lidar.pcap");
+  for (int i = 0; i < 30; ++i) {
+    const bool inertial = i % 3 == 0;
+    std::vector<std::byte> payload(inertial ? 60 : 1380);
+    payload[10] = std::byte{inertial ? std::uint8_t{0} : std::uint8_t{1}};
+    Packet packet;
+    packet.received = kBegin + milliseconds(i);
+    packet.destination_port = inertial ? 56401 : 56301;
+    packet.payload = payload;
+    writer.write(packet);
+  }
+  writer.close();
+  write("recording.toml", "[[lidar]]\nmodel = \"livox_mid360\"\nport = 56301\n[imu]\nsource = \"livox\"\n");
+
+  const ToNetworkReport sut = send(open_recording(folder_, {}, {}));
+  position_.drain(Duration{});
+
+  EXPECT_EQ(sut.imu_packets, 10U);
+  EXPECT_EQ(sut.lidar, 20U);
+  EXPECT_EQ(data_.payloads.size(), 20U);
+  EXPECT_EQ(position_.payloads.size(), 10U);
+}
+
 TEST_F(ToNetwork, KeepsTheRecordedPortsUnlessOthersAreNamed) {
   write_imu(10);
   Recording recording = made_recording(3);

@@ -55,7 +55,7 @@ bool lies_on_surfaces(const Spread& spread) {
 class PointsOfEveryWorld : public testing::TestWithParam<std::string> {};
 
 TEST_P(PointsOfEveryWorld, LieOnItsSurfacesWithTheConfiguredNoise) {
-  for (const LidarKind lidar : {LidarKind::kVlp16, LidarKind::kLivoxAvia}) {
+  for (const LidarKind lidar : {LidarKind::kVlp16, LidarKind::kLivoxAvia, LidarKind::kLivoxMid360}) {
     const Scene scene(checked_drive(GetParam(), lidar));
 
     const Spread sut = distance_to_surfaces(scene, {});

@@ -1,0 +1,73 @@
+#include "drivers/livox/host_event.hpp"
+
+#include "drivers/livox/status_code.hpp"
+
+namespace slamd::livox {
+
+namespace {
+
+std::string dotted(std::uint32_t address) {
+  return std::to_string(address >> 24) + '.' + std::to_string(address >> 16 & 255U) + '.' +
+         std::to_string(address >> 8 & 255U) + '.' + std::to_string(address & 255U);
+}
+
+std::string status_words(std::uint32_t code) {
+  const StatusCode status = parse_status_code(code);
+  std::string words = "synchronised by " + std::string(name_of(status.time_sync));
+  for (const std::string_view concern : concerns_of(status)) {
+    words += ", " + std::string(concern);
+  }
+  return words;
+}
+
+}  // namespace
+
+std::string words_for(const HostEvent& event) {
+  const std::string who = std::string(event.device.view());
+  const std::string at = who + " at " + dotted(event.address);
+  const std::string value = std::to_string(event.value);
+  switch (event.kind) {
+    case HostEventKind::kFound:
+      return at + " was found";
+    case HostEventKind::kWrongSubnet:
+      return at + " is of another subnet than this host, and cannot be reached";
+    case HostEventKind::kHeldByOther:
+      return who + " is held by another host" + (event.value == 0 ? "" : " (" + dotted(event.value) + ")") +
+             ": stop that one's driver or viewer, then this one takes over";
+    case HostEventKind::kNotSeen:
+      return (who.empty() ? "no device" : who) +
+             std::string(" is not to be heard looking for a host: off, of another subnet, or held by another host");
+    case HostEventKind::kNoAnswer:
+      return at + " was found, but does not answer: a firewall, or another host's device";
+    case HostEventKind::kConnected:
+      return at + " is connected";
+    case HostEventKind::kIdentified:
+      return who + " has firmware " + dotted(event.value);
+    case HostEventKind::kInitialising:
+      return who + " initialises: " + value + " %";
+    case HostEventKind::kStateChanged:
+      return who + " is in work state " + value;
+    case HostEventKind::kStatusChanged:
+      return who + " says: " + status_words(event.value);
+    case HostEventKind::kExtrinsicRead:
+      return who + " has told its stored extrinsic";
+    case HostEventKind::kCommandFailed:
+      return who + (event.value == kNoResult ? " does not answer: " : " refuses with code " + value + ": ") +
+             event.command;
+    case HostEventKind::kTimeSet:
+      return who + " was told the time";
+    case HostEventKind::kSampling:
+      return who + " samples";
+    case HostEventKind::kStopped:
+      return who + " was stopped";
+    case HostEventKind::kLost:
+      return at + " was lost: it has fallen silent";
+    case HostEventKind::kRestarted:
+      return at + " has restarted, and looks for a host";
+    case HostEventKind::kTakenOver:
+      return who + " sent to " + dotted(event.value) + " until now; it sends to this host from now on";
+  }
+  return who;
+}
+
+}  // namespace slamd::livox

@@ -1,0 +1,76 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+
+#include "core/base/fixed_vector.hpp"
+#include "drivers/livox/sdk1_messages.hpp"
+
+namespace slamd::livox {
+
+/// An address and a port, in host order.
+struct Endpoint {
+  std::uint32_t address = 0;
+  std::uint16_t port = 0;
+
+  bool operator==(const Endpoint&) const = default;
+};
+
+inline constexpr std::uint32_t kEverybody = 0xFFFFFFFF;  // 255.255.255.255
+
+/// What a host tells of its device.
+enum class HostEventKind : std::uint8_t {
+  kFound,            // looks for a host, or has answered
+  kWrongSubnet,      // is there, but this host's address is of another subnet
+  kHeldByOther,      // belongs to another host; value: its address, where it is known
+  kNotSeen,          // does not look for a host
+  kNoAnswer,         // was found, but does not answer
+  kConnected,        // is this host's
+  kIdentified,       // value: firmware, its first number in the highest byte
+  kInitialising,     // value: %
+  kStateChanged,     // value: its work state, as the protocol counts
+  kStatusChanged,    // value: its status code
+  kExtrinsicRead,    // see the host's extrinsic()
+  kCommandFailed,    // command was refused (value: why) or not answered (value: kNoResult)
+  kTimeSet,
+  kSampling,
+  kStopped,
+  kLost,             // was this host's, and is silent
+  kRestarted,        // was this host's, and looks for a host again
+  kTakenOver,        // SDK2: sent to another host until now; value: its address
+};
+
+inline constexpr std::uint32_t kNoResult = 0xFFFFFFFF;
+
+/// Something that a user, or whoever uses the samples, should know of.
+struct HostEvent {
+  HostEventKind kind = HostEventKind::kFound;
+  DeviceCode device;
+  std::uint32_t address = 0;  // the device's
+  std::uint32_t value = 0;
+  const char* command = "";  // kCommandFailed: what was wanted, in words
+};
+
+/// Says an event in words, on one line.
+std::string words_for(const HostEvent& event);
+
+/// What a host wants done after it was given bytes or time: datagrams to be sent, and news.
+struct HostOutput {
+  struct Datagram {
+    Endpoint to;
+    FixedVector<std::byte, 256> bytes;
+  };
+
+  FixedVector<Datagram, 8> datagrams;
+  FixedVector<HostEvent, 16> events;  // more at once are left out
+
+  void clear() {
+    datagrams.clear();
+    events.clear();
+  }
+};
+
+}  // namespace slamd::livox

@@ -1,0 +1,59 @@
+#include "drivers/livox/wire_return.hpp"
+
+#include <cmath>
+#include <numbers>
+
+#include "core/base/bytes.hpp"
+
+namespace slamd::livox {
+
+namespace {
+
+constexpr double kStandardGravity_mps2 = 9.80665;
+
+}  // namespace
+
+std::array<double, 3> Direction::unit_vector() const {
+  constexpr double kRadPerCdeg = std::numbers::pi / 18000.0;
+  const double zenith_rad = zenith_cdeg * kRadPerCdeg;
+  const double azimuth_rad = azimuth_cdeg * kRadPerCdeg;
+  return {std::sin(zenith_rad) * std::cos(azimuth_rad),
+          std::sin(zenith_rad) * std::sin(azimuth_rad),
+          std::cos(zenith_rad)};
+}
+
+std::array<std::int32_t, 3> load_xyz_mm(std::span<const std::byte> bytes) {
+  return {load_le<std::int32_t>(bytes, 0),
+          load_le<std::int32_t>(bytes, 4),
+          load_le<std::int32_t>(bytes, 8)};
+}
+
+bool append_within(const RangeGate& gate,
+                   const std::array<double, 3>& p_lidar_m,
+                   sensor::Point point,
+                   sensor::PointBlock& block) {
+  const double range_m = std::hypot(p_lidar_m[0], p_lidar_m[1], p_lidar_m[2]);
+  if (range_m < gate.min_m || range_m > gate.max_m) {
+    return false;
+  }
+  point.x_m = static_cast<float>(p_lidar_m[0]);
+  point.y_m = static_cast<float>(p_lidar_m[1]);
+  point.z_m = static_cast<float>(p_lidar_m[2]);
+  block.points.push_back(point);
+  return true;
+}
+
+bool read_imu(std::span<const std::byte> bytes, ImuReading& reading) {
+  bool finite = true;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const auto i = static_cast<Eigen::Index>(axis);
+    const auto rate_radps = load_le<float>(bytes, 4 * axis);
+    const auto force_g = load_le<float>(bytes, 12 + 4 * axis);
+    finite = finite && std::isfinite(rate_radps) && std::isfinite(force_g);
+    reading.angular_rate_radps[i] = rate_radps;
+    reading.specific_force_mps2[i] = force_g * kStandardGravity_mps2;
+  }
+  return finite;
+}
+
+}  // namespace slamd::livox
