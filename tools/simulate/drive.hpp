@@ -49,6 +49,7 @@ struct Drive {
   WheelErrors wheel_errors = {};
   GnssErrors gnss_errors = {};
   bool map = false;                                   // write true_map.ply
+  bool localisability = false;                        // write localisability.csv
 };
 
 /// Where the sensors sit on the vehicle.
