@@ -69,8 +69,12 @@ UpdateResult iterated_update(const NavState& prior,
       registration::associate(scan, map, state.T_odom_imu, config.association, scratch);
       ++associations;
       associate = false;
+      result.localisability =
+          localisability_of(scratch.view(), state.T_odom_imu, config.kernel_m, config.degenerate_share);
     }
-    sum = registration::linearize(scratch.view(), state.T_odom_imu, config.kernel_m);
+    // A weak direction keeps the prior, but for what really faces it.
+    sum = registration::linearize_trusted(scratch.view(), state.T_odom_imu, config.kernel_m,
+                                          result.localisability.weak);
     result.enough = sum.count >= config.min_constraints;
     if (!result.enough) {
       break;

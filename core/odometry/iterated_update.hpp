@@ -3,6 +3,7 @@
 #include "core/base/bounded_vector.hpp"
 #include "core/inertial/nav_state.hpp"
 #include "core/map/voxel_map.hpp"
+#include "core/odometry/localisability.hpp"
 #include "core/registration/association.hpp"
 #include "core/registration/constraint.hpp"
 #include "core/scan/preprocessor.hpp"
@@ -19,6 +20,7 @@ struct UpdateConfig {
   double converged_m = 0.0005;
   double converged_rad = 0.0001;
   std::size_t min_constraints = 60;
+  double degenerate_share = 0.012;  // of the scan's information: a direction with less is weak
 };
 
 /// The posterior, and how well it stands.
@@ -26,6 +28,7 @@ struct UpdateResult {
   inertial::NavState state;
   inertial::Covariance P = inertial::Covariance::Identity();
   geometry::Matrix6d information = geometry::Matrix6d::Zero();  // of the scan alone, in (δp, δθ)
+  Localisability localisability;
   std::size_t constraints = 0;
   double inlier_ratio = 0.0;       // constraints within the kernel
   double matched_ratio = 0.0;      // features that became constraints

@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "core/geometry/so3.hpp"
-#include "core/odometry/degeneracy.hpp"
 
 namespace slamd::odometry {
 
@@ -48,7 +47,10 @@ OdometryResult Odometry::process(const DeskewedScan& scan, std::span<const senso
   const Cause prediction_cause = predict(scan.end, samples);                     // 1
   if (map_.empty()) {
     extend_map(scan);
-    return result_of(scan, prediction_cause, UpdateResult{.state = state_, .P = P_});
+    UpdateResult nothing;
+    nothing.state = state_;
+    nothing.P = P_;
+    return result_of(scan, prediction_cause, nothing);
   }
   psf::Answer swarm;
   const UpdateResult posterior = update(scan, prediction_cause, swarm);          // 1–8
@@ -120,9 +122,7 @@ UpdateResult Odometry::update(const DeskewedScan& scan, Cause prediction_cause, 
   question.P_prior = P_.block<6, 6>(kPosition, kPosition);
   question.T_odom_imu_plain = plain.state.T_odom_imu;
   question.indoor = environment_.indoor();
-  const Cause doubt = judge(plain);
-  question.distrust_prior =
-      prediction_cause == Cause::kImuGap || (doubt != Cause::kNone && doubt != Cause::kDegenerate);
+  question.distrust_prior = prediction_cause == Cause::kImuGap || contradiction_of(plain) != Cause::kNone;
   question.scan_index = scan.index;
   swarm = psf_.answer(swarm_points(scan), map_, question);
   if (!swarm.swarm_won) {
@@ -141,7 +141,7 @@ UpdateResult Odometry::update(const DeskewedScan& scan, Cause prediction_cause, 
   return posterior;
 }
 
-Cause Odometry::judge(const UpdateResult& update) const {
+Cause Odometry::contradiction_of(const UpdateResult& update) const {
   if (!update.enough || update.matched_ratio < config_.min_matched_ratio) {
     return Cause::kFewConstraints;
   }
@@ -151,7 +151,12 @@ Cause Odometry::judge(const UpdateResult& update) const {
   if (update.innovation > config_.max_innovation) {
     return Cause::kLargeInnovation;
   }
-  return weak_axes(update.information, config_.degenerate_share) != 0 ? Cause::kDegenerate : Cause::kNone;
+  return Cause::kNone;
+}
+
+Cause Odometry::judge(const UpdateResult& update) const {
+  const Cause contradiction = contradiction_of(update);
+  return contradiction == Cause::kNone && update.localisability.is_weak() ? Cause::kDegenerate : contradiction;
 }
 
 void Odometry::extend_map(const DeskewedScan& scan) {
@@ -192,7 +197,11 @@ OdometryResult Odometry::result_of(const DeskewedScan& scan, Cause cause, const 
   J.topRightCorner<3, 3>() = -R_odom_imu * geometry::skew(T_imu_base.translation());
   J.bottomRightCorner<3, 3>() = config_.T_base_imu.rotation();
   result.P_odom_base = J * P_.block<6, 6>(kPosition, kPosition) * J.transpose();
-  result.weak_axes = update.constraints == 0 ? 0 : weak_axes(update.information, config_.degenerate_share);
+  result.localisability = update.localisability;
+  if (update.enough) {
+    result.weak_axes = weak_axes(update.localisability, Eigen::Matrix3d::Identity());
+    result.weak_axes_base = weak_axes(update.localisability, result.T_odom_base.rotation().transpose());
+  }
   result.indoor = environment_.indoor();
   result.update = update;
   return result;
@@ -229,6 +238,11 @@ const char* name_of(Cause cause) {
     case Cause::kDegenerate: return "a direction that the scan does not see";
   }
   return "?";
+}
+
+std::string in_words(Cause cause, std::uint8_t weak_axes_base) {
+  const std::string words = name_of(cause);
+  return cause == Cause::kDegenerate ? words + ": " + in_words(weak_axes_base) : words;
 }
 
 }  // namespace slamd::odometry

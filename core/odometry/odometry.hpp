@@ -3,10 +3,12 @@
 #include <array>
 #include <cstdint>
 #include <span>
+#include <string>
 
 #include "core/base/bounded_vector.hpp"
 #include "core/odometry/environment.hpp"
 #include "core/odometry/iterated_update.hpp"
+#include "core/odometry/localisability.hpp"
 #include "core/odometry/odometry_config.hpp"
 #include "core/psf/particle_swarm_filter.hpp"
 
@@ -30,6 +32,9 @@ enum class Cause : std::uint8_t {
 const char* name_of(State state);
 const char* name_of(Cause cause);
 
+/// Says a cause in words, and of a weak direction which it is, as seen from the vehicle.
+std::string in_words(Cause cause, std::uint8_t weak_axes_base);
+
 /// The pose after a scan.
 /// Frames: pose and velocity of base in odom; covariance of (δp, δθ) of T_odom_base.  Units: m, rad, m/s.
 struct OdometryResult {
@@ -42,6 +47,8 @@ struct OdometryResult {
   Eigen::Vector3d v_odom_base = Eigen::Vector3d::Zero();
   geometry::Matrix6d P_odom_base = geometry::Matrix6d::Identity();
   std::uint8_t weak_axes = 0;  // bits 0..2: x, y, z of odom; 3..5: turns about them
+  std::uint8_t weak_axes_base = 0;  // the same, of base
+  Localisability localisability;
   bool indoor = false;
   bool map_updated = false;
   psf::Answer swarm;
@@ -75,6 +82,7 @@ class Odometry {
   Cause predict(Stamp to, std::span<const sensor::ImuSample> samples);
   void coast(bool without_imu);
   UpdateResult update(const scan::DeskewedScan& scan, Cause prediction_cause, psf::Answer& swarm);
+  Cause contradiction_of(const UpdateResult& update) const;
   Cause judge(const UpdateResult& update) const;
   void extend_map(const scan::DeskewedScan& scan);
   OdometryResult result_of(const scan::DeskewedScan& scan, Cause cause, const UpdateResult& update);

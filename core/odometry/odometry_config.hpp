@@ -38,7 +38,6 @@ struct OdometryConfig {
   double min_inlier_ratio = 0.5;
   double min_matched_ratio = 0.25;
   double max_innovation = 60.0;        // squared Mahalanobis length; beyond, the prediction was wrong
-  double degenerate_share = 0.01;      // of the scan's information in its weakest direction
   Duration max_imu_gap = std::chrono::milliseconds(50);
   int lost_after = 20;                 // scans without a trustworthy update
 };

@@ -43,6 +43,11 @@ PrincipalAxes principal_axes(const Neighbours& neighbours) {
 /// Neighbours this close to a line span no plane. Units: m².
 constexpr float kMinPlaneLambda = 0.03F * 0.03F;
 
+/// Five points may lie in a plane by chance: their own spread across it is no less than this.  Units: m.
+constexpr float kLeastAcross_m = 0.01F;
+
+const Eigen::Vector3f kNoTilt = Eigen::Vector3f::Zero();
+
 /// The surface cells that stand in where the neighbours span no plane: the larger ones.
 constexpr std::size_t kSparseLevel = 1;
 
@@ -59,12 +64,21 @@ bool spans_plane(const Neighbours& neighbours, const PrincipalAxes& axes, const 
   return true;
 }
 
+/// The normal's most uncertain axis times its standard deviation: what the noise across a plane does to the fit of n
+/// points, σ²/(n·λ) along the axis of the smaller spread.  Units: rad.
+Eigen::Vector3f tilt_of(const Neighbours& neighbours, const PrincipalAxes& axes) {
+  const float n = static_cast<float>(neighbours.count);
+  const float across_sq = std::max(axes.lambda[0] * n / (n - 3.0F), kLeastAcross_m * kLeastAcross_m);
+  return std::sqrt(across_sq / (n * axes.lambda[1])) * axes.vectors.col(1);
+}
+
 /// Adds the plane through `centre` with normal n unless the point is too far from it.
 void add_if_near(const FeaturePoint& feature,
                  const Eigen::Vector3f& p_odom,
                  const Eigen::Vector3f& n_odom,
                  const Eigen::Vector3f& centre_odom,
                  float std_m,
+                 const Eigen::Vector3f& tilt_odom,
                  const AssociationConfig& config,
                  BoundedVector<Constraint>& out) {
   const float d_m = -n_odom.dot(centre_odom);
@@ -73,7 +87,7 @@ void add_if_near(const FeaturePoint& feature,
     return;
   }
   const float beam_m = config.angular_std_rad * feature.range_m;
-  out.try_push_back({feature.p_imu, n_odom, d_m, 1.0F / (std_m * std_m + beam_m * beam_m)});
+  out.try_push_back({feature.p_imu, n_odom, d_m, 1.0F / (std_m * std_m + beam_m * beam_m), tilt_odom});
 }
 
 }  // namespace
@@ -92,14 +106,15 @@ void associate(const scan::DeskewedScan& scan,
     if (neighbours.count == Neighbours::kMax) {
       const PrincipalAxes axes = principal_axes(neighbours);
       if (spans_plane(neighbours, axes, config)) {
-        add_if_near(feature, p_odom, axes.vectors.col(0), axes.mean, config.planar_std_m, config, out);
+        add_if_near(feature, p_odom, axes.vectors.col(0), axes.mean, config.planar_std_m, tilt_of(neighbours, axes),
+                    config, out);
         continue;
       }
     }
     // Rings on the ground lie too far apart for five neighbours to span a plane; a larger cell sees several.
     const map::SurfaceCell* cell = map.surface(p_odom, kSparseLevel);
     if (cell != nullptr && cell->surface == map::Surface::kPlane && cell->thickness_m < config.sparse_thickness_m) {
-      add_if_near(feature, p_odom, cell->axis_odom, cell->mean_odom, config.sparse_std_m, config, out);
+      add_if_near(feature, p_odom, cell->axis_odom, cell->mean_odom, config.sparse_std_m, kNoTilt, config, out);
     }
   }
   for (const FeaturePoint& feature : scan.edge) {
@@ -110,8 +125,8 @@ void associate(const scan::DeskewedScan& scan,
     }
     const PrincipalAxes axes = principal_axes(neighbours);
     if (axes.lambda[2] > config.line_ratio * std::max(axes.lambda[1], 1e-5F)) {
-      add_if_near(feature, p_odom, axes.vectors.col(0), axes.mean, config.edge_std_m, config, out);
-      add_if_near(feature, p_odom, axes.vectors.col(1), axes.mean, config.edge_std_m, config, out);
+      add_if_near(feature, p_odom, axes.vectors.col(0), axes.mean, config.edge_std_m, kNoTilt, config, out);
+      add_if_near(feature, p_odom, axes.vectors.col(1), axes.mean, config.edge_std_m, kNoTilt, config, out);
     }
   }
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <span>
 
@@ -17,6 +18,8 @@ struct Constraint {
   Eigen::Vector3f n_odom = Eigen::Vector3f::UnitZ();
   float d_m = 0.0F;
   float inverse_variance = 1.0F;  // 1/m², of the residual
+  /// By how much the normal may be tilted: its most uncertain axis, times one standard deviation.  Units: rad.
+  Eigen::Vector3f tilt_odom = Eigen::Vector3f::Zero();
 };
 
 /// Σ wJᵀJ and Σ wJᵀr over all constraints, in (δp, δθ) of T_odom_imu.
@@ -35,5 +38,21 @@ struct NormalEquations {
 NormalEquations linearize(std::span<const Constraint> constraints,
                           const geometry::Se3& T_odom_imu,
                           double kernel_m);
+
+/// Directions of odom along which surfaces are heard with caution.
+struct WeakDirections {
+  std::array<Eigen::Vector3d, 3> odom;
+  std::size_t count = 0;
+};
+
+/// Returns what a normal has along a direction, less what its tilt may have made of it: all where it clearly faces the
+/// direction, next to nothing where it could as well be square to it.
+double trusted_along(const Constraint& constraint, const Eigen::Vector3d& direction_odom);
+
+/// The same as linearize, but along weak directions each surface speaks by its trusted part only.
+NormalEquations linearize_trusted(std::span<const Constraint> constraints,
+                                  const geometry::Se3& T_odom_imu,
+                                  double kernel_m,
+                                  const WeakDirections& weak);
 
 }  // namespace slamd::registration

@@ -114,7 +114,7 @@ void HealthMonitor::add_causes(const Pipeline& pipeline, Stamp now, bus::Health&
     return;
   }
   if (odometry.cause != odometry::Cause::kNone) {
-    say(odometry::name_of(odometry.cause));
+    say(odometry::in_words(odometry.cause, odometry.weak_axes_base));
   }
 }
 

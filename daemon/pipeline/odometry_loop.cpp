@@ -43,6 +43,7 @@ void OdometryLoop::process(JobPool::Handle job) {
   counts_.state = result.state;
   counts_.cause = result.cause;
   counts_.weak_axes = result.weak_axes;
+  counts_.weak_axes_base = result.weak_axes_base;
   counts_.inlier_ratio = result.update.inlier_ratio;
   counts_.last = result.stamp;
   shown_.store(counts_);

@@ -20,6 +20,7 @@ struct OdometryCounts {
   odometry::State state = odometry::State::kStarting;
   odometry::Cause cause = odometry::Cause::kAligning;
   std::uint8_t weak_axes = 0;
+  std::uint8_t weak_axes_base = 0;
   double inlier_ratio = 0.0;
   Stamp last{};                     // end of the last scan
 };

@@ -70,7 +70,7 @@ ordered_json states_of(const Run& run) {
     times[state] += before == nullptr ? Duration{} : record.odometry.stamp - before->odometry.stamp;
     before = &record;
     if (record.odometry.cause != odometry::Cause::kNone) {
-      ++causes[state][name_of(record.odometry.cause)];
+      ++causes[state][in_words(record.odometry.cause, record.odometry.weak_axes_base)];
     }
   }
   ordered_json states = ordered_json::object();
@@ -81,13 +81,39 @@ ordered_json states_of(const Run& run) {
   return states;
 }
 
+void write_scan_header(std::FILE* file) {
+  std::fputs("timestamp_ns,state,cause,weak_axes,weak_x,weak_y,weak_z,share,raw_share", file);
+  for (int row = 0; row < 6; ++row) {
+    for (int column = row; column < 6; ++column) {
+      std::fprintf(file, ",P%d%d", row, column);
+    }
+  }
+  std::fputc('\n', file);
+}
+
+/// A scan's state and covariance; the same order as pose_covariance of pose_t.
+void write_scan_row(std::FILE* file, const odometry::OdometryResult& result) {
+  const odometry::Localisability& weak = result.localisability;
+  std::fprintf(file, "%lld,%s,%d,%d,%.4f,%.4f,%.4f,%.6f,%.6f", static_cast<long long>(result.stamp.time_since_epoch().count()),
+               name_of(result.state), static_cast<int>(result.cause), result.weak_axes, weak.weakest_odom.x(),
+               weak.weakest_odom.y(), weak.weakest_odom.z(), weak.share, weak.raw_share);
+  for (int row = 0; row < 6; ++row) {
+    for (int column = row; column < 6; ++column) {
+      std::fprintf(file, ",%.6e", result.P_odom_base(row, column));
+    }
+  }
+  std::fputc('\n', file);
+}
+
 }  // namespace
 
 ProductWriter::ProductWriter(const std::filesystem::path& directory, double map_spacing_m)
     : odometry_(open(directory / "odometry.tum")),
       trajectory_(open(directory / "trajectory.tum")),
+      scans_(open(directory / "scans.csv")),
       map_(directory / "map.ply"),
       sampler_(kMaxMapPoints) {
+  write_scan_header(scans_.get());
   sampler_.reset(static_cast<float>(map_spacing_m));
 }
 
@@ -96,6 +122,7 @@ void ProductWriter::add(const ScanRecord& record, const scan::DeskewedScan& scan
   recording::write_tum_line(odometry_.get(), result.stamp, result.T_odom_base);
   // T_map_odom is identity until there are loops.
   recording::write_tum_line(trajectory_.get(), result.stamp, result.T_odom_base);
+  write_scan_row(scans_.get(), result);
   if (!result.map_updated && result.scan_index != 0) {
     return;
   }
@@ -111,9 +138,9 @@ void ProductWriter::add(const ScanRecord& record, const scan::DeskewedScan& scan
 }
 
 void ProductWriter::close() {
-  for (auto* stream : {&odometry_, &trajectory_}) {
+  for (auto* stream : {&odometry_, &trajectory_, &scans_}) {
     if (std::fclose(stream->release()) != 0) {
-      throw std::runtime_error(std::string("a trajectory could not be written whole: ") + std::strerror(errno));
+      throw std::runtime_error(std::string("a product could not be written whole: ") + std::strerror(errno));
     }
   }
   map_.close();

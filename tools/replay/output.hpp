@@ -14,7 +14,7 @@
 
 namespace slamd::replay {
 
-/// Writes a run's products while it goes on: odometry.tum, trajectory.tum and map.ply.
+/// Writes a run's products while it goes on: odometry.tum, trajectory.tum, scans.csv and map.ply.
 ///
 /// map.ply holds one point of each cube of the map's spacing, in the order in which they were seen.
 class ProductWriter {
@@ -33,6 +33,7 @@ class ProductWriter {
 
   std::unique_ptr<std::FILE, int (*)(std::FILE*)> odometry_;
   std::unique_ptr<std::FILE, int (*)(std::FILE*)> trajectory_;
+  std::unique_ptr<std::FILE, int (*)(std::FILE*)> scans_;
   storage::PlyWriter map_;
   scan::VoxelSampler sampler_;
   plot::EvenSample picture_points_{kMaxPicturePoints};

@@ -31,7 +31,7 @@ report::FilterRun filter_run(const std::string& filter, const Run& run) {
     sample.recovery_swarm = odometry.swarm.recovery;
     sample.swarm_won = odometry.swarm.swarm_won;
     sample.state = name_of(odometry.state);
-    sample.cause = odometry.cause == odometry::Cause::kNone ? "" : name_of(odometry.cause);
+    sample.cause = odometry.cause == odometry::Cause::kNone ? "" : in_words(odometry.cause, odometry.weak_axes_base);
     result.scans.push_back(std::move(sample));
   }
   return result;

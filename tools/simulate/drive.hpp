@@ -51,6 +51,7 @@ struct Drive {
   GnssErrors gnss_errors = {};
   bool map = false;                                   // write true_map.ply
   std::optional<Faults> faults = std::nullopt;        // of what the sensors send
+  bool localisability = false;                        // write localisability.csv
 };
 
 /// Where the sensors sit on the vehicle.

@@ -26,6 +26,9 @@ class LivoxLidar : public PacketMaker {
   SentPacket point_packet(std::uint64_t index) const;
   double packet_s() const override { return static_cast<double>(shots()) / kFirings_hz; }
   std::uint64_t shots() const override { return echoes() == 1 ? 96 : echoes() == 2 ? 48 : 30; }
+  Eigen::Vector3d beam(double t_s, std::uint64_t shot) const override {
+    return pattern_.direction(t_s + static_cast<double>(shot) / kFirings_hz, static_cast<int>(shot % 6));
+  }
 
   /// Wraps a sample of the built-in sensor.
   SentPacket imu_packet(double t_s, const InertialReading& reading) const;

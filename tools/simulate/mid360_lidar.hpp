@@ -24,6 +24,9 @@ class Mid360Lidar : public PacketMaker {
   SentPacket packet(std::uint64_t index) const override;
   double packet_s() const override { return static_cast<double>(kFirings) / kFirings_hz; }
   std::uint64_t shots() const override { return kFirings; }
+  Eigen::Vector3d beam(double t_s, std::uint64_t shot) const override {
+    return direction(t_s + static_cast<double>(shot) / kFirings_hz, static_cast<int>(shot % 4));
+  }
 
   SentPacket imu_packet(double t_s, std::uint64_t index, const InertialReading& reading) const;
 

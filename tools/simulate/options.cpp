@@ -51,6 +51,9 @@ void declare(CLI::App& app, Options& options) {
   app.add_option("--out", options.out, "Directory of the recording to be made")->group(kOutput);
   app.add_flag("--force", options.force, "Write into a directory that is not empty")->group(kOutput);
   app.add_flag("--map", drive.map, "Also write true_map.ply")->group(kOutput);
+  app.add_flag("--localisability", drive.localisability,
+               "Also write localisability.csv: how well the true surfaces hold the position")
+      ->group(kOutput);
   app.add_option("--preview", options.preview, "Also write a PNG of world, path and one scan")->group(kOutput);
   app.add_flag("--replay", options.replay,
                "Map the drive as slamd-replay would, without writing the recording; products go to --out")

@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <vector>
 
+#include <Eigen/Core>
+
 namespace slamd::simulate {
 
 /// Bytes on the wire and when they leave the sensor's socket. Units: s since the start of the drive.
@@ -25,6 +27,12 @@ class PacketMaker {
 
   virtual double packet_s() const = 0;       // time between packets
   virtual std::uint64_t shots() const = 0;   // in each packet
+
+  /// Where shot number `shot` of those fired from `t_s` on looks.  Frames: unit vector in lidar.
+  virtual Eigen::Vector3d beam(double t_s, std::uint64_t shot) const = 0;
+
+  /// Shots in a second.
+  double rate_hz() const { return static_cast<double>(shots()) / packet_s(); }
 };
 
 }  // namespace slamd::simulate

@@ -5,6 +5,7 @@
 #include "drivers/recording/pcap_writer.hpp"
 #include "drivers/storage/ply_writer.hpp"
 #include "tools/simulate/fault_injector.hpp"
+#include "tools/simulate/localisability.hpp"
 #include "tools/simulate/packet_stream.hpp"
 #include "tools/simulate/text_file.hpp"
 #include "tools/simulate/truth.hpp"
@@ -131,6 +132,9 @@ Summary simulate(const Drive& drive, const fs::path& directory, const std::funct
   write_text(parameters_json(drive), directory / "simulation.json");
   if (drive.map) {
     write_map(scene, directory / "true_map.ply");
+  }
+  if (drive.localisability) {
+    write_localisability(scene, directory / "localisability.csv");
   }
   Summary summary;
   summary.path_m = scene.path_m();

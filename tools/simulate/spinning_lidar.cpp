@@ -43,6 +43,17 @@ double SpinningLidar::azimuth_deg(double t_s) const {
   return phase_deg_ + 3600.0 * t_s + 0.3 * std::sin(2.0 * M_PI * 0.7 * t_s + phase_deg_);
 }
 
+Eigen::Vector3d SpinningLidar::direction(double t_s, std::size_t laser) const {
+  const double alpha = (azimuth_deg(t_s) - model_.azimuth_offset_deg[laser]) * kDegree;
+  const double omega = model_.elevation_deg[laser] * kDegree;
+  return {std::cos(omega) * std::cos(alpha), -std::cos(omega) * std::sin(alpha), std::sin(omega)};
+}
+
+Eigen::Vector3d SpinningLidar::beam(double t_s, std::uint64_t shot) const {
+  const auto lasers = static_cast<std::uint64_t>(model_.lasers);
+  return direction(t_s + model_.sequence_s * static_cast<double>(shot / lasers), shot % lasers);
+}
+
 void SpinningLidar::store(std::span<std::byte> bytes, std::size_t at, const Echo& echo) const {
   store_le(bytes, at, static_cast<std::uint16_t>(std::clamp(std::lround(echo.range_m / model_.unit_m), 1L, 65535L)));
   store_le(bytes, at + 2,
@@ -58,10 +69,7 @@ void SpinningLidar::shoot_sequence(std::uint64_t index, int sequence, std::span<
   for (int laser = 0; laser < model_.lasers; ++laser) {
     const auto id = static_cast<std::size_t>(laser);
     const double after_s = model_.laser_s * (laser / model_.group);
-    const double alpha = (azimuth_deg(sequence_s + after_s) - model_.azimuth_offset_deg[id]) * kDegree;
-    const double omega = model_.elevation_deg[id] * kDegree;
-    const Eigen::Vector3d d_lidar(std::cos(omega) * std::cos(alpha), -std::cos(omega) * std::sin(alpha),
-                                  std::sin(omega));
+    const Eigen::Vector3d d_lidar = direction(sequence_s + after_s, id);
     const geometry::Se3 T_world_lidar = motion.pose_after(after_s) * T_base_lidar_;
     const std::uint64_t shot = index * shots() + static_cast<std::uint64_t>(sequence * model_.lasers + laser);
     const Echoes echoes = beam_.shoot(T_world_lidar.translation(), T_world_lidar.rotation() * d_lidar,

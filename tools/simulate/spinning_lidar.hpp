@@ -30,6 +30,8 @@ class SpinningLidar : public PacketMaker {
   double packet_s() const override { return sequences() * model_.sequence_s; }
   std::uint64_t shots() const override { return static_cast<std::uint64_t>(sequences() * model_.lasers); }
 
+  Eigen::Vector3d beam(double t_s, std::uint64_t shot) const override;
+
   /// Makes a point packet of a sensor whose clock said `hour_offset_s` past the hour at the start.
   SentPacket data_packet(std::uint64_t index, double hour_offset_s) const;
 
@@ -40,6 +42,7 @@ class SpinningLidar : public PacketMaker {
  private:
   int sequences() const { return (settings_.dual ? 6 : 12) * model_.sequences_per_block(); }
   double azimuth_deg(double t_s) const;
+  Eigen::Vector3d direction(double t_s, std::size_t laser) const;
   void shoot_sequence(std::uint64_t index, int sequence, std::span<std::byte> bytes) const;
   void store(std::span<std::byte> bytes, std::size_t at, const Echo& echo) const;
 

@@ -2,21 +2,10 @@
 
 #include <gtest/gtest.h>
 
-#include "core/odometry/degeneracy.hpp"
 #include "core/odometry/environment.hpp"
 
 namespace slamd::odometry {
 namespace {
-
-TEST(WeakAxes, NamesTheAxisThatIsNotSeen) {
-  geometry::Matrix6d information = geometry::Matrix6d::Identity() * 1000.0;
-
-  EXPECT_EQ(weak_axes(information, 0.01), 0);
-  information(0, 0) = 1.0;
-  EXPECT_EQ(weak_axes(information, 0.01), 0b000001);
-  information(5, 5) = 1.0;
-  EXPECT_EQ(weak_axes(information, 0.01), 0b100001);
-}
 
 TEST(EnvironmentEstimate, SwitchesWithHysteresis) {
   EnvironmentEstimate sut(Environment::kAuto, 8.0, 12.0);

@@ -59,7 +59,7 @@ TEST_F(Replay, GivesTheSameBytesEachTime) {
     sut.run(nullptr);
   }
 
-  for (const char* file : {"odometry.tum", "trajectory.tum", "map.ply"}) {
+  for (const char* file : {"odometry.tum", "trajectory.tum", "scans.csv", "map.ply"}) {
     const std::string bytes = text_of(folder_ / "one" / file);
     EXPECT_GT(bytes.size(), 1000U) << file;
     EXPECT_TRUE(bytes == text_of(folder_ / "two" / file)) << file;
