@@ -88,7 +88,7 @@ ProductWriter::ProductWriter(const std::filesystem::path& directory, double map_
       trajectory_(open(directory / "trajectory.tum")),
       map_(directory / "map.ply"),
       sampler_(kMaxMapPoints) {
-  sampler_.reset(static_cast<float>(map_spacing_m));
+  sampler_.reset(static_cast<float>(map_spacing_m), kMaxMapPoints);
 }
 
 void ProductWriter::add(const ScanRecord& record, const scan::DeskewedScan& scan) {
