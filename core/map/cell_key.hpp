@@ -1,6 +1,5 @@
 #pragma once
 
-#include <cmath>
 #include <cstdint>
 
 #include <Eigen/Core>
@@ -12,9 +11,12 @@ using CellKey = std::uint64_t;
 
 inline constexpr std::int32_t kCellOffset = 1 << 20;
 
-/// Returns the index of the cell that holds a coordinate. Units: m; inverse_side in 1/m.
+/// Returns the index of the cell that holds a coordinate: ⌊x⌋ without a call into libm, which it is without SSE 4.1.
+/// Units: m; inverse_side in 1/m.
 inline std::int32_t cell_index(float coordinate_m, float inverse_side) {
-  return static_cast<std::int32_t>(std::floor(coordinate_m * inverse_side));
+  const float scaled = coordinate_m * inverse_side;
+  const auto whole = static_cast<std::int32_t>(scaled);
+  return whole - (scaled < static_cast<float>(whole) ? 1 : 0);
 }
 
 inline CellKey pack(std::int32_t x, std::int32_t y, std::int32_t z) {

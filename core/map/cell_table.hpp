@@ -14,7 +14,8 @@ namespace slamd::map {
 /// Cells in a fixed block of memory, found by key (open addressing, linear probing), recycled oldest first.
 ///
 /// A cell's age is the path length at which it was last touched; `forget_before` drops what is older than a
-/// window, and a full table recycles its least recently touched cell.
+/// window, and a full table recycles its least recently touched cell. A cell keeps its place while it lives.
+/// Cell: has clear().
 /// Real-time: allocates in the constructor only; find, touch and insert are O(1) amortised.
 template <typename Cell>
 class CellTable {
@@ -30,49 +31,67 @@ class CellTable {
     clear();
   }
 
+  /// Returns the place of the cell with this key, or kNone.
+  std::uint32_t place_of(CellKey key) const {
+    for (std::size_t i = home(key);; i = (i + 1) & mask_) {
+      const Slot& slot = slots_[i];
+      if (slot.cell == kNone || slot.key == key) {
+        return slot.cell;
+      }
+    }
+  }
+
   /// Returns the cell with this key, or nullptr.
   const Cell* find(CellKey key) const {
-    for (std::size_t i = home(key);; i = (i + 1) & mask_) {
-      const std::uint32_t cell = slots_[i];
-      if (cell == kNone) {
-        return nullptr;
-      }
-      if (links_[cell].key == key) {
-        return &cells_[cell];
-      }
-    }
+    const std::uint32_t place = place_of(key);
+    return place == kNone ? nullptr : &cells_[place];
   }
 
-  Cell* find(CellKey key) { return const_cast<Cell*>(static_cast<const CellTable*>(this)->find(key)); }
+  Cell& operator[](std::uint32_t place) { return cells_[place]; }
+  const Cell& operator[](std::uint32_t place) const { return cells_[place]; }
 
-  /// Returns the cell with this key, a fresh one if there was none, and marks it as touched at `path_m`.
-  Cell& touch(CellKey key, float path_m) {
-    for (std::size_t i = home(key);; i = (i + 1) & mask_) {
-      const std::uint32_t cell = slots_[i];
-      if (cell == kNone) {
-        return create(key, path_m);
-      }
-      if (links_[cell].key == key) {
-        if (newest_ != cell) {
-          unlink(cell);
-          link_newest(cell);
-        }
-        links_[cell].path_m = path_m;
-        return cells_[cell];
-      }
+  struct Touched {
+    std::uint32_t place;
+    bool created;
+  };
+
+  /// Finds the cell with this key, makes a fresh one if there was none, and marks it as touched at `path_m`, which
+  /// does not decrease. Calls released(place) for a cell that had to give way.
+  template <typename Released>
+  Touched touch(CellKey key, float path_m, Released&& released) {
+    const std::uint32_t place = place_of(key);
+    if (place == kNone) {
+      return {create(key, path_m, released), true};
     }
+    if (links_[place].path_m != path_m && newest_ != place) {
+      unlink(place);
+      link_newest(place);
+    }
+    links_[place].path_m = path_m;
+    return {place, false};
   }
 
-  /// Drops all cells last touched before `path_m`.
-  void forget_before(float path_m) {
+  Cell& touch(CellKey key, float path_m) { return cells_[touch(key, path_m, [](std::uint32_t) {}).place]; }
+
+  /// Brings the slot of a key nearer to the processor, ahead of a look-up.
+  void prefetch(CellKey key) const { __builtin_prefetch(&slots_[home(key)]); }
+
+  /// Drops all cells last touched before `path_m`; calls released(place) for each.
+  template <typename Released>
+  void forget_before(float path_m, Released&& released) {
     while (oldest_ != kNone && links_[oldest_].path_m < path_m) {
+      released(oldest_);
       release(oldest_);
     }
   }
 
+  void forget_before(float path_m) {
+    forget_before(path_m, [](std::uint32_t) {});
+  }
+
   void clear() {
-    for (auto& slot : slots_) {
-      slot = kNone;
+    for (Slot& slot : slots_) {
+      slot = Slot{};
     }
     for (std::uint32_t i = 0; i < links_.size(); ++i) {
       links_[i].newer = i + 1 < links_.size() ? i + 1 : kNone;
@@ -102,46 +121,53 @@ class CellTable {
     std::uint32_t newer = kNone;  // of a free cell: the next free one
   };
 
+  struct Slot {
+    CellKey key = 0;
+    std::uint32_t cell = kNone;
+  };
+
   std::size_t home(CellKey key) const { return ((key * 0x9E3779B97F4A7C15ULL) >> 24) & mask_; }
 
-  Cell& create(CellKey key, float path_m) {
+  template <typename Released>
+  std::uint32_t create(CellKey key, float path_m, Released&& released) {
     SLAMD_ASSERT(!cells_.empty());
     if (free_ == kNone) {
       ++recycled_;
+      released(oldest_);
       release(oldest_);
     }
-    const std::uint32_t cell = free_;
-    free_ = links_[cell].newer;
-    cells_[cell] = Cell{};
-    links_[cell].key = key;
-    links_[cell].path_m = path_m;
-    link_newest(cell);
+    const std::uint32_t place = free_;
+    free_ = links_[place].newer;
+    cells_[place].clear();
+    links_[place].key = key;
+    links_[place].path_m = path_m;
+    link_newest(place);
     std::size_t i = home(key);
-    while (slots_[i] != kNone) {
+    while (slots_[i].cell != kNone) {
       i = (i + 1) & mask_;
     }
-    slots_[i] = cell;
+    slots_[i] = {key, place};
     ++size_;
-    return cells_[cell];
+    return place;
   }
 
-  void release(std::uint32_t cell) {
-    unlink(cell);
-    std::size_t hole = home(links_[cell].key);
-    while (slots_[hole] != cell) {
+  void release(std::uint32_t place) {
+    unlink(place);
+    std::size_t hole = home(links_[place].key);
+    while (slots_[hole].cell != place) {
       hole = (hole + 1) & mask_;
     }
     // Close the gap: move back each follower whose home lies at or before the hole (Knuth, 6.4 R).
-    for (std::size_t i = (hole + 1) & mask_; slots_[i] != kNone; i = (i + 1) & mask_) {
-      const std::size_t wanted = home(links_[slots_[i]].key);
+    for (std::size_t i = (hole + 1) & mask_; slots_[i].cell != kNone; i = (i + 1) & mask_) {
+      const std::size_t wanted = home(slots_[i].key);
       if (((i - wanted) & mask_) >= ((i - hole) & mask_)) {
         slots_[hole] = slots_[i];
         hole = i;
       }
     }
-    slots_[hole] = kNone;
-    links_[cell].newer = free_;
-    free_ = cell;
+    slots_[hole].cell = kNone;
+    links_[place].newer = free_;
+    free_ = place;
     --size_;
   }
 
@@ -160,7 +186,7 @@ class CellTable {
 
   BoundedVector<Cell> cells_;
   BoundedVector<Link> links_;
-  BoundedVector<std::uint32_t> slots_;
+  BoundedVector<Slot> slots_;
   std::size_t mask_ = 0;
   std::uint32_t free_ = kNone;
   std::uint32_t oldest_ = kNone;

@@ -28,6 +28,8 @@ struct SurfaceCell {
   Eigen::Matrix3f square_sum = Eigen::Matrix3f::Zero();  // of (p − anchor)(p − anchor)ᵀ
   Eigen::Vector3f anchor_odom = Eigen::Vector3f::Zero();  // the first point: keeps the sums small and exact
 
+  void clear() { *this = SurfaceCell{}; }
+
   /// Takes a point in, and fits anew when the number of points has grown by a quarter.
   void add(const Eigen::Vector3f& p_odom);
 

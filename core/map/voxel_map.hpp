@@ -8,7 +8,7 @@
 
 #include "core/map/cell_table.hpp"
 #include "core/map/nearest.hpp"
-#include "core/map/point_cell.hpp"
+#include "core/map/point_grid.hpp"
 #include "core/map/surface_cell.hpp"
 
 namespace slamd::map {
@@ -39,35 +39,31 @@ class VoxelMap {
   void insert(std::span<const Eigen::Vector3f> points_odom, double path_m);
 
   /// Finds the nearest stored points, nearest first: exact within `radius_m` ≤ cell_m.
-  Neighbours nearest(const Eigen::Vector3f& query_odom, float radius_m) const;
+  Neighbours nearest(const Eigen::Vector3f& query_odom, float radius_m) const {
+    return grid_.nearest(query_odom, radius_m);
+  }
 
   /// Returns the surface cell around a point, or nullptr where nothing is known. O(1).
   const SurfaceCell* surface(const Eigen::Vector3f& query_odom, std::size_t level) const;
 
   void clear();
-  bool empty() const { return cells_.size() == 0; }
-  std::size_t cells() const { return cells_.size(); }
-  std::uint64_t recycled() const { return cells_.recycled(); }
+  bool empty() const { return grid_.cells() == 0; }
+  std::size_t cells() const { return grid_.cells(); }
+  std::uint64_t recycled() const { return grid_.recycled(); }
   const VoxelMapConfig& config() const { return config_; }
 
   /// Calls visit(p_odom) for every stored point.
   template <typename Visit>
   void for_each_point(Visit&& visit) const {
-    cells_.for_each([&](CellKey, const PointCell& cell) {
-      for (std::uint32_t i = 0; i < cell.count; ++i) {
-        visit(Eigen::Vector3f(cell.x_m[i], cell.y_m[i], cell.z_m[i]));
-      }
-    });
+    grid_.for_each_point(visit);
   }
 
  private:
-  void insert_point(const Eigen::Vector3f& p_odom, float path_m);
+  void prefetch(const Eigen::Vector3f& p_odom) const;
 
   VoxelMapConfig config_;
-  float inverse_cell_;
   std::array<float, kSurfaceLevels> inverse_surface_cell_{};
-  CellSearch search_;
-  CellTable<PointCell> cells_;
+  PointGrid grid_;
   std::array<CellTable<SurfaceCell>, kSurfaceLevels> surfaces_;
 };
 

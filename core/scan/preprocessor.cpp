@@ -114,7 +114,7 @@ void Preprocessor::deskew(const Scan& scan,
 
 void Preprocessor::select_planar(std::span<const Point> points, float spacing_m, DeskewedScan& out) {
   const auto collect = [&](bool planar_only) {
-    sampler_.reset(spacing_m);
+    sampler_.reset(spacing_m, points.size());
     candidates_.clear();
     for (std::size_t i = 0; i < points.size(); ++i) {
       const bool wanted = usable_[i] != 0 && (!planar_only || shapes_[i] == Shape::kPlanar);
@@ -153,7 +153,7 @@ void Preprocessor::select_edges(std::span<const Point> points, DeskewedScan& out
 }
 
 void Preprocessor::select_map_points(float spacing_m, DeskewedScan& out) {
-  sampler_.reset(spacing_m);
+  sampler_.reset(spacing_m, deskewed_.size());
   candidates_.clear();
   for (std::size_t i = 0; i < deskewed_.size(); ++i) {
     if (usable_[i] != 0 && sampler_.admit(deskewed_[i])) {

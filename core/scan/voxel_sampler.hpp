@@ -15,21 +15,17 @@ class VoxelSampler {
  public:
   explicit VoxelSampler(std::size_t max_points);
 
-  /// Forgets all points and sets the cubes' side. Units: m.
-  void reset(float side_m);
+  /// Forgets all points, sets the cubes' side, and makes ready for `points` of them: the fewer, the less memory is
+  /// touched. Units: m.
+  void reset(float side_m, std::size_t points);
 
   /// Tells whether the point is the first in its cube since reset.
   bool admit(const Eigen::Vector3f& p);
 
  private:
   float inverse_side_ = 1.0F;
-  std::uint32_t generation_ = 0;  // a slot counts only when it carries the current generation
   std::uint64_t mask_ = 0;
-  struct Slot {
-    std::uint64_t key;
-    std::uint32_t generation;
-  };
-  BoundedVector<Slot> slots_;
+  BoundedVector<std::uint64_t> slots_;  // keys
 };
 
 }  // namespace slamd::scan

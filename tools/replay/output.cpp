@@ -114,7 +114,7 @@ ProductWriter::ProductWriter(const std::filesystem::path& directory, double map_
       map_(directory / "map.ply"),
       sampler_(kMaxMapPoints) {
   write_scan_header(scans_.get());
-  sampler_.reset(static_cast<float>(map_spacing_m));
+  sampler_.reset(static_cast<float>(map_spacing_m), kMaxMapPoints);
 }
 
 void ProductWriter::add(const ScanRecord& record, const scan::DeskewedScan& scan) {

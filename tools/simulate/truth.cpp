@@ -78,7 +78,7 @@ void write_loops(const std::vector<TrueLoop>& loops, const std::filesystem::path
 
 std::vector<Eigen::Vector3f> true_map(const Scene& scene, double spacing_m) {
   scan::VoxelSampler sampler(kMaxMapPoints);
-  sampler.reset(static_cast<float>(spacing_m));
+  sampler.reset(static_cast<float>(spacing_m), kMaxMapPoints);
   const double step_m = std::max(1.0, scene.path_m() / 600.0);
   const Noise noise(scene.drive().seed, 120);
   std::vector<Eigen::Vector3f> points;

@@ -10,6 +10,8 @@ namespace slamd::map {
 namespace {
 
 struct Cell {
+  void clear() { value = 0; }
+
   int value = 0;
 };
 

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <random>
 #include <vector>
 
@@ -28,8 +29,11 @@ std::vector<Eigen::Vector3f> stored_points(const VoxelMap& map) {
 TEST(VoxelMap, NearestAgreesWithBruteForce) {
   std::mt19937_64 engine(1);
   for (const std::size_t count : {50U, 2000U, 20000U}) {
-    VoxelMap sut(VoxelMapConfig{});
-    sut.insert(random_points(engine, count, 12.0F), 0.0);
+    // Few cells, so that some are recycled, and a part that the window has left.
+    VoxelMap sut(VoxelMapConfig{.window_m = 10.0F, .max_cells = 1000});
+    sut.insert(random_points(engine, count / 2, 9.0F), 0.0);
+    sut.insert(random_points(engine, count / 2, 12.0F), 8.0);
+    sut.insert(random_points(engine, count, 12.0F), 16.0);
     const std::vector<Eigen::Vector3f> stored = stored_points(sut);
     for (const Eigen::Vector3f& query : random_points(engine, 300, 13.0F)) {
       std::vector<float> expected;
@@ -56,26 +60,26 @@ TEST(VoxelMap, NearestAgreesWithBruteForce) {
 TEST(VoxelMap, VectorSearchGivesTheBitsOfItsScalarTwin) {
   std::mt19937_64 engine(2);
   std::uniform_real_distribution<float> uniform(0.0F, 1.0F);
+  std::uniform_int_distribution<int> tenths(0, 10);  // many equal distances
   const CellSearch fastest = fastest_cell_search();
   for (std::uint32_t count = 0; count <= PointCell::kMaxPoints; ++count) {
-    PointCell cell{};
-    cell.count = count;
-    for (std::uint32_t i = 0; i < PointCell::kMaxPoints; ++i) {
-      cell.x_m[i] = uniform(engine);
-      cell.y_m[i] = uniform(engine);
-      cell.z_m[i] = uniform(engine);
-    }
-    const Eigen::Vector3f query(uniform(engine), uniform(engine), uniform(engine));
-    Neighbours expected;
-    Neighbours found;
+    for (const bool ties : {false, true}) {
+      const auto coordinate = [&] { return ties ? 0.1F * static_cast<float>(tenths(engine)) : uniform(engine); };
+      std::array<PointCell, 3> cells;
+      for (PointCell& cell : cells) {
+        for (std::uint32_t i = 0; i < count; ++i) {
+          cell.add({coordinate(), coordinate(), coordinate()});
+        }
+      }
+      const std::array<CellVisit, 3> visits{CellVisit{&cells[0], 0.0F}, {&cells[1], 0.02F}, {&cells[2], 0.3F}};
+      const Eigen::Vector3f query(coordinate(), coordinate(), coordinate());
+      Nearest expected(0.5F);
+      Nearest found(0.5F);
 
-    search_cell_scalar(cell, query, 0.5F, expected);
-    fastest(cell, query, 0.5F, found);
+      search_cells_scalar(visits, 0, query, expected);
+      fastest(visits, 0, query, found);
 
-    ASSERT_EQ(found.count, expected.count);
-    for (std::size_t i = 0; i < found.count; ++i) {
-      ASSERT_EQ(found.distance_sq_m2[i], expected.distance_sq_m2[i]);
-      ASSERT_EQ(found.points_odom[i], expected.points_odom[i]);
+      ASSERT_EQ(found.keys, expected.keys);
     }
   }
 }

@@ -133,13 +133,30 @@ TEST(Preprocessor, DoesNotAllocate) {
 
 TEST(VoxelSampler, AdmitsOnePointPerCube) {
   VoxelSampler sut(100);
-  sut.reset(0.5F);
+  sut.reset(0.5F, 100);
 
   EXPECT_TRUE(sut.admit({0.1F, 0.1F, 0.1F}));
   EXPECT_FALSE(sut.admit({0.4F, 0.4F, 0.4F}));
   EXPECT_TRUE(sut.admit({-0.1F, 0.1F, 0.1F}));
-  sut.reset(0.5F);
+  sut.reset(0.5F, 1);
   EXPECT_TRUE(sut.admit({0.4F, 0.4F, 0.4F}));
+}
+
+TEST(VoxelSampler, AdmitsAllPointsOfDifferentCubesUpToItsCount) {
+  VoxelSampler sut(1000);
+  for (const std::size_t points : {std::size_t{1}, std::size_t{77}, std::size_t{1000}}) {
+    sut.reset(0.25F, points);
+
+    std::size_t admitted = 0;
+    for (int pass = 0; pass < 2; ++pass) {
+      for (std::size_t i = 0; i < points; ++i) {
+        const auto x = static_cast<float>(i) - 500.0F;
+        admitted += sut.admit({x, -x, 0.5F * x}) ? 1 : 0;
+      }
+    }
+
+    EXPECT_EQ(admitted, points);
+  }
 }
 
 }  // namespace
