@@ -52,6 +52,9 @@ class VoxelMap {
   std::uint64_t recycled() const { return grid_.recycled(); }
   const VoxelMapConfig& config() const { return config_; }
 
+  /// The fine cells by their places, for a copy that is made in parts.
+  const CellTable<PointCell>& fine_cells() const { return cells_; }
+
   /// Calls visit(p_odom) for every stored point.
   template <typename Visit>
   void for_each_point(Visit&& visit) const {

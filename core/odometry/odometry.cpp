@@ -26,19 +26,30 @@ Odometry::Odometry(const OdometryConfig& config)
       swarm_points_imu_(config.psf.points) {}
 
 void Odometry::start(const inertial::Alignment& alignment) {
+  begin();
   state_ = alignment.state;
   P_ = alignment.P;
+}
+
+void Odometry::begin() {
   started_ = true;
+  map_.clear();
+  psf_.reset();
+  rate_imu_radps_.setZero();
+  waiting_gyro_bias_.setZero();
+  coasting_ = false;
+  path_m_ = 0.0;
+  bad_scans_ = 0;
 }
 
 void Odometry::start_without_imu(Stamp stamp) {
+  begin();
   state_ = inertial::NavState{};
   state_.stamp = stamp;
   P_.setIdentity();
   P_ *= 1e-8;
   P_.diagonal().segment<3>(kVelocity).setConstant(25.0);   // up to a vehicle's pace at once
   P_.diagonal().segment<3>(kGyroBias).setConstant(0.25);   // −ω: see propagate_constant_velocity
-  started_ = true;
 }
 
 // The whole of the odometry, a line a step (design.md, "Odometry: the adapted particle swarm filter").

@@ -61,7 +61,8 @@ class Odometry {
  public:
   explicit Odometry(const OdometryConfig& config);
 
-  /// Sets the first state; scans before it are not to be given.
+  /// Sets the first state; scans before it are not to be given. Called again it forgets the map and all else, and odom
+  /// begins anew. Real-time: O(capacity of the map).
   void start(const inertial::Alignment& alignment);
 
   /// Starts where there is no inertial sensor: odom is base at `stamp`.
@@ -79,6 +80,7 @@ class Odometry {
   bool indoor() const { return environment_.indoor(); }
 
  private:
+  void begin();
   Cause predict(Stamp to, std::span<const sensor::ImuSample> samples);
   void coast(bool without_imu);
   UpdateResult update(const scan::DeskewedScan& scan, Cause prediction_cause, psf::Answer& swarm);

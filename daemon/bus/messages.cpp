@@ -77,6 +77,15 @@ const char* name_of(TimeState state) {
   return "?";
 }
 
+namespace {
+
+/// A name that stays inside its folder, whatever becomes of it.
+bool is_plain_name(const std::string& name) {
+  return name[0] != '.' && name.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789._-") == std::string::npos;
+}
+
+}  // namespace
+
 std::string fault_of(const Command& command) {
   const Verb* verb = nullptr;
   for (const Verb& known : kVerbs) {
@@ -92,6 +101,9 @@ std::string fault_of(const Command& command) {
   for (const std::string& argument : command.arguments) {
     if (argument.empty() || argument.size() > Command::kMaxArgument_bytes) {
       return command.verb + ": an argument has 1 to " + std::to_string(Command::kMaxArgument_bytes) + " bytes";
+    }
+    if (command.verb == "save" && !is_plain_name(argument)) {
+      return "save: a name has letters, digits, '.', '_' and '-' only, and does not begin with '.'";
     }
     if (command.verb == "set-pose" && !number_in(argument)) {
       return "set-pose: '" + argument.substr(0, 40) + "' is no number";

@@ -156,7 +156,7 @@ struct Verb {
 inline constexpr std::array<Verb, 4> kVerbs{{{"new-map", 0}, {"save", 1}, {"set-pose", 4}, {"seal", 0}}};
 
 /// Says what is wrong with a command, in words; empty: nothing.
-/// set-pose takes x, y, z (m) and yaw (degrees) of base in map, finite numbers; save takes a file name.
+/// set-pose takes x, y, z (m) and yaw (degrees) of base in map, finite numbers; save takes a plain name.
 std::string fault_of(const Command& command);
 
 /// The answer to a command of the same id.

@@ -81,6 +81,7 @@ struct GnssConfiguration {
 
 struct OutputConfiguration {
   double map_spacing_m = 0.10;
+  std::string save_directory;  // live: where the command "save" writes; empty: nowhere
 };
 
 /// How the daemon's threads run; a replay has none.
@@ -97,6 +98,11 @@ struct LcmConfiguration {
   int scan_points = 2000;        // of a scan that are sent; 0: no scans
 };
 
+/// What the daemon writes of itself.
+struct LogConfiguration {
+  Duration repeat_period = std::chrono::seconds(5);
+};
+
 /// Everything that a run is made of. Extrinsics reach the odometry through `resolved_odometry`.
 struct Configuration {
   LidarConfiguration lidar;
@@ -107,6 +113,7 @@ struct Configuration {
   OutputConfiguration output;
   RealtimeConfiguration realtime;
   LcmConfiguration lcm;
+  LogConfiguration log;
 };
 
 /// The names of [[lidar]] model, as configured.

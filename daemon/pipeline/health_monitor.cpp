@@ -107,7 +107,7 @@ void HealthMonitor::add_causes(const Pipeline& pipeline, Stamp now, bus::Health&
   if (imu_enabled_) {
     judge("imu", receive.imu);
   }
-  if (odometry.scans == 0) {
+  if (odometry.epoch != pipeline.epoch()) {
     if (imu_enabled_ && !pipeline.preprocess().counts().aligned && receive.imu.last != Stamp{}) {
       say("imu: being levelled");
     }
@@ -129,7 +129,7 @@ bus::Health HealthMonitor::read(const Pipeline& pipeline, Stamp now) {
   if (imu_enabled_) {
     health.sensors.push_back(imu(pipeline, now));
   }
-  health.state = static_cast<bus::State>(odometry.state);
+  health.state = odometry.epoch == pipeline.epoch() ? static_cast<bus::State>(odometry.state) : bus::State::kStarting;
   const bool silent = !hears(receive.lidar, now) || (imu_enabled_ && !hears(receive.imu, now));
   if (silent && health.state == bus::State::kTracking) {
     health.state = bus::State::kDegraded;
@@ -159,6 +159,11 @@ bus::Health HealthMonitor::read(const Pipeline& pipeline, Stamp now) {
   return health;
 }
 
+std::string cause_of(const threads::EventRecord& record) {
+  const bool by_value = record.event == Event::kStateChanged;
+  return "event " + std::to_string(static_cast<int>(record.event)) + (by_value ? " " + std::to_string(record.value) : "");
+}
+
 std::string sentence(const threads::EventRecord& record) {
   const auto number = std::to_string(record.value);
   switch (record.event) {
@@ -176,6 +181,7 @@ std::string sentence(const threads::EventRecord& record) {
     case Event::kStarted:
       return record.value == 2 ? "odometry begins, without inertial sensor"
                                : (record.value == 1 ? "levelled at rest; odometry begins" : "levelled in motion; odometry begins");
+    case Event::kNewMap: return "a new map was ordered; odom is levelled anew";
     case Event::kStateChanged:
       return std::string(odometry::name_of(static_cast<odometry::State>(record.value / 256))) + ": " +
              odometry::name_of(static_cast<odometry::Cause>(record.value % 256));

@@ -36,6 +36,9 @@ class HealthMonitor {
   Rate samples_;
 };
 
+/// Names an event's cause: events of the same one are repetitions of each other, whatever numbers they carry.
+std::string cause_of(const threads::EventRecord& record);
+
 /// Says an event in words.
 std::string sentence(const threads::EventRecord& record);
 

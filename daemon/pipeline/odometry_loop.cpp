@@ -4,8 +4,16 @@ namespace slamd::pipeline {
 
 using threads::Event;
 
+namespace {
+
+/// Of the map, copied between two scans: 0.8 MB.
+constexpr std::size_t kCellsAtOnce = 1024;
+
+}  // namespace
+
 void OdometryLoop::run_once(Duration longest) {
   rings_.wake_odometry.wait(longest);
+  copy_map();
   auto job = rings_.to_odometry.try_pop();
   while (job) {
     auto newer = rings_.to_odometry.try_pop();
@@ -27,7 +35,7 @@ void OdometryLoop::process(JobPool::Handle job) {
   job->processed = true;
   const odometry::OdometryResult& result = job->result;
   const odometry::Odometry& odometry = stage_.odometry();
-  job->anchor = {odometry.state(), odometry.covariance(), result.state, result.cause, result.weak_axes};
+  job->anchor = {odometry.state(), odometry.covariance(), result.state, result.cause, result.weak_axes, job->scan.epoch};
   rings_.feedback.try_push(stage_.feedback());  // twice as long as the jobs that can be under way
 
   if (result.state != counts_.state || result.cause != counts_.cause) {
@@ -46,11 +54,35 @@ void OdometryLoop::process(JobPool::Handle job) {
   counts_.weak_axes_base = result.weak_axes_base;
   counts_.inlier_ratio = result.update.inlier_ratio;
   counts_.last = result.stamp;
+  counts_.epoch = job->scan.epoch;
   shown_.store(counts_);
 
   hand_on(std::move(job));
   const Stamp end = clock_.now();
   monitor_.add(end - begin, end);
+}
+
+// In parts, before a scan is looked for: a part takes a fraction of a millisecond. A cell that moves meanwhile from a
+// place that is still to come to one that was passed is not in the copy.
+void OdometryLoop::copy_map() {
+  const std::uint32_t wanted = rings_.map_wanted.load(std::memory_order_acquire);
+  if (wanted == rings_.map_copied.load(std::memory_order_relaxed)) {
+    return;
+  }
+  const auto& cells = stage_.odometry().map().fine_cells();
+  std::size_t copied = 0;
+  for (; next_slot_ < cells.slots() && copied < kCellsAtOnce; ++next_slot_) {
+    if (const map::PointCell* cell = cells.at_slot(next_slot_)) {
+      if (!rings_.map_cells.try_push(*cell)) {
+        return;  // housekeeping has to take some first
+      }
+      ++copied;
+    }
+  }
+  if (next_slot_ == cells.slots()) {
+    next_slot_ = 0;
+    rings_.map_copied.store(wanted, std::memory_order_release);
+  }
 }
 
 void OdometryLoop::hand_on(JobPool::Handle job) {

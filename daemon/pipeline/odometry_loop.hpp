@@ -23,6 +23,7 @@ struct OdometryCounts {
   std::uint8_t weak_axes_base = 0;
   double inlier_ratio = 0.0;
   Stamp last{};                     // end of the last scan
+  std::uint32_t epoch = 0;          // of the last scan's odom; 0: none yet
 };
 
 /// The odometry thread: features to poses.
@@ -43,10 +44,12 @@ class OdometryLoop {
  private:
   void process(JobPool::Handle job);
   void hand_on(JobPool::Handle job);
+  void copy_map();
 
   transport::HostClock clock_;
   Rings& rings_;
   stages::OdometryStage stage_;
+  std::size_t next_slot_ = 0;  // of the map that is being copied
   OdometryCounts counts_;
   // Written by the odometry thread, read by health.
   Latest<OdometryCounts> shown_;

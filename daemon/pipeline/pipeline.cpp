@@ -87,6 +87,8 @@ std::vector<MemoryItem> memory_plan(const Configuration& configuration) {
       {"packet blocks", blocks_of(configuration), sizeof(sensor::PointBlock)},
       {"scan jobs", Rings::kJobs, job_bytes},
       {"inertial samples in rings", 2 * kImuRing, sizeof(ImuArrival)},
+      {"scan poses on their way", Rings::kScanPoses, sizeof(ScanPose)},
+      {"map cells being copied", Rings::kMapCells, sizeof(map::PointCell)},
       {"inertial samples kept", 3 * 2 * sensor::ImuBufferConfig{}.capacity, sizeof(sensor::ImuSample)},
       {"scans being assembled or waiting", 3 * scan.max_points, sizeof(sensor::Point)},
       {"preprocess scratch", scan.max_points, kScratchPerPoint},

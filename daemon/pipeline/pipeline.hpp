@@ -52,6 +52,37 @@ class Pipeline {
   /// Sets where odom lies in map. Housekeeping only.
   void place(const MapPlacement& placement) { publish_.place(placement); }
 
+  /// Lets odom and the map begin anew; returns the number of the epoch, which poses and counts will have. Housekeeping only.
+  std::uint32_t begin_epoch() { return rings_.epoch_wanted.fetch_add(1, std::memory_order_relaxed) + 1; }
+
+  /// The epoch that was begun last; counts of an older one belong to what was forgotten.
+  std::uint32_t epoch() const { return rings_.epoch_wanted.load(std::memory_order_relaxed); }
+
+  /// Asks for a copy of the map, which take_map() gives. Not while one is under way. Housekeeping only.
+  void want_map() { rings_.map_wanted.fetch_add(1, std::memory_order_release); }
+
+  /// Calls visit(p_odom) for each point that has come since the last call; returns whether the copy is whole.
+  /// Housekeeping only.
+  template <typename Visit>
+  bool take_map(Visit&& visit) {
+    const bool whole =
+        rings_.map_copied.load(std::memory_order_acquire) == rings_.map_wanted.load(std::memory_order_relaxed);
+    while (const auto cell = rings_.map_cells.try_pop()) {
+      for (std::uint32_t i = 0; i < cell->count; ++i) {
+        visit(Eigen::Vector3f(cell->x_m[i], cell->y_m[i], cell->z_m[i]));
+      }
+    }
+    return whole;
+  }
+
+  /// Calls visit(ScanPose) for each scan since the last call. Housekeeping only.
+  template <typename Visit>
+  void take_scan_poses(Visit&& visit) {
+    while (const auto pose = rings_.scan_poses.try_pop()) {
+      visit(*pose);
+    }
+  }
+
   /// Calls visit(thread's name, EventRecord) for each event since the last call. Housekeeping only.
   template <typename Visit>
   void read_events(Visit&& visit) {

@@ -32,11 +32,21 @@ void PreprocessLoop::run_once(Duration longest) {
   while (const auto feedback = rings_.feedback.try_pop()) {
     stage_.add_feedback(*feedback);
   }
+  follow_epoch();
   take_imu();
   release(clock_.now());
   take_blocks();
   release(clock_.now());
   show();
+}
+
+void PreprocessLoop::follow_epoch() {
+  const std::uint32_t wanted = rings_.epoch_wanted.load(std::memory_order_relaxed);
+  if (wanted != epoch_) {
+    epoch_ = wanted;
+    stage_.restart(wanted);
+    events_.write(clock_.now(), Event::kNewMap);
+  }
 }
 
 void PreprocessLoop::take_imu() {

@@ -43,6 +43,7 @@ class PreprocessLoop {
   const sensor::ScanAssemblerCounts& assembler_counts() const { return assembler_.counts(); }
 
  private:
+  void follow_epoch();
   void take_imu();
   void take_blocks();
   void release(Stamp now);
@@ -56,6 +57,7 @@ class PreprocessLoop {
   stages::PreprocessStage stage_;
   JobPool::Handle job_;      // the next scan's, kept when starting does not need it
   stages::WaitingScan waiting_;
+  std::uint32_t epoch_ = 1;
   Stamp imu_late_said_{};
   PreprocessCounts counts_;
   // Written by the preprocess thread, read by health.

@@ -39,6 +39,7 @@ void PublishLoop::take_job(ScanJob& job) {
     return;
   }
   stage_.add_anchor(job.anchor);
+  counts_.epoch = job.anchor.epoch;
   if (!config_.use_imu || job.result.stamp > counts_.last_pose + kImuSilent) {
     if (const auto pose = stage_.at_anchor()) {
       send(*pose);
@@ -53,6 +54,7 @@ void PublishLoop::take_job(ScanJob& job) {
   scan.T_odom_imu = job.result.T_odom_imu;
   scan.points_imu = job.scan.deskewed.map_points_imu.view();
   publisher_.publish(scan);
+  rings_.scan_poses.try_push(ScanPose{job.anchor.epoch, scan.stamp, scan.T_odom_base});
   ++counts_.scans;
 }
 
@@ -80,6 +82,10 @@ void PublishLoop::send(const stages::PredictedPose& pose) {
   message.state = static_cast<bus::State>(pose.state);
   message.cause = static_cast<bus::Cause>(pose.cause);
   message.weak_axes = pose.weak_axes;
+  if (counts_.epoch != rings_.epoch_wanted.load(std::memory_order_relaxed)) {
+    message.state = bus::State::kStarting;  // this odom is about to end
+    message.cause = bus::Cause::kAligning;
+  }
   publisher_.publish(message);
   if (pose.reset_counter != counts_.reset_counter) {
     events_.write(pose.stamp, Event::kPoseReset, pose.reset_counter);

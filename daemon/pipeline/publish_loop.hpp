@@ -24,6 +24,7 @@ struct PublishCounts {
   std::uint64_t scans = 0;
   std::uint32_t reset_counter = 0;
   Stamp last_pose{};  // its stamp
+  std::uint32_t epoch = 0;  // of its odom; 0: none yet
   // The newest pose, for the health page and for "set-pose".
   double x_m = 0.0;
   double y_m = 0.0;

@@ -251,6 +251,9 @@ void ReceiveLoop::show(Stamp now) {
       second_->unpin();
     }
   }
+  if (imu_udp_ && counts_.imu.last != Stamp{} && now - counts_.imu.last > kForgetSource) {
+    imu_udp_->unpin();
+  }
   const transport::UdpCounters udp = lidar_->counters();
   counts_.lidar.kernel_lost = udp.kernel_lost;
   counts_.lidar.dropped = udp.foreign_source + udp.truncated + other_packets_ + counts_.blocks_dropped;
@@ -262,11 +265,13 @@ void ReceiveLoop::show(Stamp now) {
   counts_.imu.clock_steps = imu_clock.steps;
   counts_.imu.clock_skew = imu_clock.skew;
   counts_.imu.clock_residual = imu_clock.residual_mean;
+  counts_.imu.dropped = 0;
   if (imu_udp_) {
-    counts_.imu.kernel_lost = imu_udp_->counters().kernel_lost;
+    const transport::UdpCounters imu_udp = imu_udp_->counters();
+    counts_.imu.kernel_lost = imu_udp.kernel_lost;
+    counts_.imu.dropped = imu_udp.foreign_source + imu_udp.truncated;
   }
   const imu::RowCounters rows = imu_rows_.counters();
-  counts_.imu.dropped = 0;
   for (std::size_t i = 1; i < imu::kRowResults; ++i) {
     counts_.imu.dropped += rows.rows[i];
   }

@@ -1,7 +1,11 @@
 #pragma once
 
+#include <atomic>
+
 #include "core/base/pool.hpp"
 #include "core/base/spsc_queue.hpp"
+#include "core/geometry/se3.hpp"
+#include "core/map/point_cell.hpp"
 #include "core/sensor/imu_sample.hpp"
 #include "core/sensor/point_block.hpp"
 #include "daemon/stages/odometry_stage.hpp"
@@ -27,6 +31,13 @@ struct ScanJob {
   stages::Anchor anchor;
 };
 
+/// Where a scan was, for the trajectory that is saved.
+struct ScanPose {
+  std::uint32_t epoch = 1;
+  Stamp stamp{};
+  geometry::Se3 T_odom_base;
+};
+
 using BlockPool = Pool<sensor::PointBlock>;
 using JobPool = Pool<ScanJob>;
 
@@ -43,10 +54,17 @@ struct Rings {
         imu_to_publish(imu_samples),
         to_odometry(kJobs),
         to_publish(kJobs),
-        feedback(2 * kJobs) {}
+        feedback(2 * kJobs),
+        scan_poses(kScanPoses),
+        map_cells(kMapCells) {}
 
   /// One in each of preprocess, odometry and publish, and one on its way.
   static constexpr std::size_t kJobs = 4;
+
+  /// Half a minute of scans.
+  static constexpr std::size_t kScanPoses = 300;
+  /// What the odometry copies of its map between two looks of housekeeping.
+  static constexpr std::size_t kMapCells = 4096;
 
   // Pools come first: they must outlive the handles in the rings.
   BlockPool block_pool;  // acquired by receive, released by preprocess
@@ -58,6 +76,13 @@ struct Rings {
   SpscQueue<JobPool::Handle> to_odometry;        // preprocess → odometry
   SpscQueue<JobPool::Handle> to_publish;         // odometry   → publish
   SpscQueue<stages::Feedback> feedback;          // odometry   → preprocess
+
+  SpscQueue<ScanPose> scan_poses;                // publish    → housekeeping; full: dropped, the trajectory has a gap
+  SpscQueue<map::PointCell> map_cells;           // odometry   → housekeeping; full: the copy goes on later
+
+  std::atomic<std::uint32_t> epoch_wanted{1};  // written by housekeeping ("new-map"), read by all others
+  std::atomic<std::uint32_t> map_wanted{0};    // written by housekeeping: copy number n of the map is wanted
+  std::atomic<std::uint32_t> map_copied{0};    // written by the odometry: copy number n is whole, and in map_cells
 
   threads::WakeUp wake_preprocess;
   threads::WakeUp wake_odometry;

@@ -20,6 +20,8 @@
 #include "daemon/bus/command_listener.hpp"
 #include "daemon/pipeline/health_monitor.hpp"
 #include "daemon/pipeline/pipeline.hpp"
+#include "daemon/service/map_saver.hpp"
+#include "daemon/service/repeat_limit.hpp"
 
 namespace slamd::service {
 
@@ -70,32 +72,90 @@ void log_counts(const char* what, const stages::NamedCounts& counts) {
 class Housekeeping {
  public:
   Housekeeping(const Configuration& configuration, const transport::HostClock& clock, pipeline::Pipeline& pipeline)
-      : clock_(clock), pipeline_(pipeline), health_(configuration, clock.now()), commands_(configuration.lcm.url, configuration.lcm.prefix) {}
+      : clock_(clock),
+        pipeline_(pipeline),
+        health_(configuration, clock.now()),
+        commands_(configuration.lcm.url, configuration.lcm.prefix),
+        saver_(configuration.output.save_directory, pipeline),
+        limit_(configuration.log.repeat_period) {}
 
   int command_fd() const { return commands_.fd(); }
 
   void run_once() {
     const Stamp now = clock_.now();
-    pipeline_.read_events([](const char* thread, const threads::EventRecord& record) {
-      spdlog::info("{}: {}", thread, pipeline::sentence(record));
+    pipeline_.read_events([&](const char* thread, const threads::EventRecord& record) {
+      say(pipeline::cause_of(record), std::string(thread) + ": " + pipeline::sentence(record), now);
     });
     while (const auto command = commands_.poll(std::chrono::steady_clock::now())) {
-      commands_.answer(answer(*command));
+      say(command->verb, "command " + command->verb, now);
+      if (const auto reply = answer(*command)) {
+        send(*reply);
+      }
     }
+    if (const auto reply = saver_.run_once()) {
+      send(*reply);
+    }
+    tell_repeated(now, false);
     if (now - last_health_ >= kHealthPeriod) {
       last_health_ = now;
       pipeline_.publisher().publish(health_.read(pipeline_, now));
     }
   }
 
+  /// Writes what was held back, at the end.
+  void finish() { tell_repeated(clock_.now(), true); }
+
  private:
-  bus::Reply answer(const bus::Command& command) {
-    spdlog::info("command {}", command.verb);
-    if (command.verb == "set-pose") {
-      return {command.id, true, set_pose(command)};
+  /// Writes a message, but repetitions of its cause only by their number.
+  void say(const std::string& cause, const std::string& message, Stamp now) {
+    if (limit_.admit(cause, message, now)) {
+      spdlog::info("{}", message);
     }
-    // Said rather than pretended: these need parts that this release does not have.
-    return {command.id, false, command.verb + ": this release has no mapping service yet (see CHANGELOG)"};
+  }
+
+  void tell_repeated(Stamp now, bool all) {
+    limit_.tell(now, all, [&](const std::string& message, std::uint64_t more) {
+      spdlog::info("{} ({} more in the last {:.0f} s)", message, more, to_seconds(limit_.period()));
+    });
+  }
+
+  void send(const bus::Reply& reply) {
+    say(reply.ok ? "reply" : "refusal", (reply.ok ? "" : "refused: ") + reply.text, clock_.now());
+    commands_.answer(reply);
+  }
+
+  /// The reply; nothing when it comes later.
+  std::optional<bus::Reply> answer(const bus::Command& command) {
+    if (command.verb == "set-pose") {
+      if (pipeline_.publish().counts().epoch != pipeline_.epoch()) {
+        return bus::Reply{command.id, false, "set-pose: there is no pose yet"};
+      }
+      return bus::Reply{command.id, true, set_pose(command)};
+    }
+    if (command.verb == "new-map") {
+      if (saver_.is_busy()) {
+        return bus::Reply{command.id, false, "new-map: the map is being saved"};
+      }
+      return bus::Reply{command.id, true, new_map()};
+    }
+    if (command.verb == "save") {
+      const std::string fault = saver_.begin(command.id, command.arguments[0], T_map_odom());
+      return fault.empty() ? std::nullopt : std::optional(bus::Reply{command.id, false, "save: " + fault});
+    }
+    // Said rather than pretended: it needs a part that this release does not have.
+    return bus::Reply{command.id, false, command.verb + ": this release has no black box yet (see CHANGELOG)"};
+  }
+
+  geometry::Se3 T_map_odom() const {
+    return {geometry::rotation_from_rpy({0.0, 0.0, placement_.yaw_rad}), Eigen::Vector3d(placement_.x_m, placement_.y_m, placement_.z_m)};
+  }
+
+  /// Forgets odom and its map; map begins where the next odom does.
+  std::string new_map() {
+    const std::uint32_t epoch = pipeline_.begin_epoch();
+    placement_ = pipeline::MapPlacement{.correction_id = placement_.correction_id + 1, .cause = bus::Correction::kCommand};
+    pipeline_.place(placement_);
+    return "map " + std::to_string(epoch) + " begins as soon as odom is level";
   }
 
   /// Places odom so that base is where the command says; its arguments were checked by the listener.
@@ -122,6 +182,8 @@ class Housekeeping {
   pipeline::HealthMonitor health_;
   bus::CommandListener commands_;
   pipeline::MapPlacement placement_;
+  MapSaver saver_;
+  RepeatLimit limit_;
   Stamp last_health_{};
 };
 
@@ -172,6 +234,7 @@ int serve(const Configuration& configuration) {
   spdlog::info("ending on {}", signal == SIGINT ? "SIGINT" : "SIGTERM");
   pipeline.stop();
   housekeeping.run_once();
+  housekeeping.finish();
   log_counts("packets", pipeline.receive().packets());
   log_counts("blocks", stages::named_counts(pipeline.preprocess().assembler_counts()));
   for (const std::string& remark : pipeline.receive().remarks()) {

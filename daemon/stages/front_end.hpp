@@ -21,6 +21,9 @@ class FrontEnd {
 
   void add_imu(const sensor::ImuSample& sample) { preprocess_.add_imu(sample); }
 
+  /// Begins an epoch: odom and map anew, as soon as odom is level again.
+  void restart(std::uint32_t epoch) { preprocess_.restart(epoch); }
+
   bool ready_for(const sensor::Scan& scan, Stamp now) const { return preprocess_.ready_for(scan, now); }
 
   /// Processes a scan; returns nothing while starting.

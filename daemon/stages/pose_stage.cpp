@@ -29,6 +29,8 @@ PoseStage::PoseStage(const odometry::OdometryConfig& config, Duration blend)
 
 void PoseStage::add_anchor(const Anchor& anchor) {
   const bool first = !has_anchor_;
+  const bool begins_anew = !first && anchor.epoch != anchor_.epoch;
+  reset_counter_ += begins_anew ? 1 : 0;
   const NavState shown_before = blended(state_);
   has_anchor_ = true;
   anchor_ = anchor;
@@ -42,8 +44,9 @@ void PoseStage::add_anchor(const Anchor& anchor) {
       inertial::propagate(state_, P_, samples, samples.back().stamp, config_.imu_noise);
     }
   }
-  if (first || shown_before.stamp < state_.stamp) {
+  if (first || begins_anew || shown_before.stamp < state_.stamp) {
     // Nothing was shown at this time yet, as without an inertial sensor: compare where both are, at the anchor.
+    // Or what was shown lay in another odom.
     pending_.setZero();
     pending_velocity_.setZero();
     blend_begin_ = state_.stamp;

@@ -16,6 +16,7 @@ struct Anchor {
   odometry::State odometry_state = odometry::State::kStarting;
   odometry::Cause cause = odometry::Cause::kAligning;
   std::uint8_t weak_axes = 0;
+  std::uint32_t epoch = 1;  // of odom: another one than before is another odom
 };
 
 /// The pose at one inertial sample.
@@ -36,7 +37,8 @@ struct PredictedPose {
 /// The pose at every inertial sample: goes on from the odometry's last state, and blends its updates in.
 ///
 /// A scan update is blended over one scan period, so that the pose stays continuous; a correction of more than 3σ or
-/// kLargeCorrection_m is taken at once and increments reset_counter (design.md, "Frames, time, signs").
+/// kLargeCorrection_m is taken at once and increments reset_counter (design.md, "Frames, time, signs"); so does a new
+/// epoch of odom.
 /// Real-time: allocates in the constructor only; O(17³) per sample, and once per scan for each sample since its end.
 class PoseStage {
  public:

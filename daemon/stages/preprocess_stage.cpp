@@ -66,6 +66,14 @@ bool PreprocessStage::ready_for(const sensor::Scan& scan, Stamp now) const {
   return !config_.use_imu || (!imu_.empty() && imu_.newest().stamp >= scan.end) || now >= scan.end + kImuPatience;
 }
 
+void PreprocessStage::restart(std::uint32_t epoch) {
+  epoch_ = epoch;
+  started_ = false;
+  incomplete_passed_over_ = 0;
+  alignment_.reset();
+  aligner_ = inertial::StartUpAlignment(config_.start_up);
+}
+
 bool PreprocessStage::start(const sensor::Scan& scan, PreprocessedScan& out) {
   if (!config_.use_imu) {
     // The first scan begins wherever the sensor happens to look: on a map of that sector the next one would settle askew.
@@ -74,6 +82,7 @@ bool PreprocessStage::start(const sensor::Scan& scan, PreprocessedScan& out) {
       return false;
     }
     out.start_without_imu = scan.end;
+    first_.state = inertial::NavState{};
     first_.state.stamp = scan.end;
   } else if (alignment_ && alignment_->state.stamp <= scan.begin) {
     out.start = alignment_;
@@ -81,13 +90,15 @@ bool PreprocessStage::start(const sensor::Scan& scan, PreprocessedScan& out) {
   } else {
     return false;
   }
+  started_ = true;
+  first_.sequence = sequence_;
   first_.indoor = config_.environment == odometry::Environment::kIndoor;
   history_.fill(first_);
   return true;
 }
 
 const Feedback& PreprocessStage::feedback_at(std::uint64_t sequence) const {
-  for (std::uint64_t back = 0; back < history_.size() && back <= sequence; ++back) {
+  for (std::uint64_t back = 0; back < history_.size() && first_.sequence + back <= sequence; ++back) {
     const Feedback& feedback = history_[(sequence - back) % history_.size()];
     if (feedback.sequence == sequence - back) {
       return feedback;
@@ -99,11 +110,12 @@ const Feedback& PreprocessStage::feedback_at(std::uint64_t sequence) const {
 bool PreprocessStage::process(const sensor::Scan& scan, PreprocessedScan& out) {
   out.start.reset();
   out.start_without_imu.reset();
-  if (sequence_ == 0 && !start(scan, out)) {
+  if (!started_ && !start(scan, out)) {
     return false;
   }
   const double begin_ms = thread_cpu_ms();
   out.sequence = ++sequence_;
+  out.epoch = epoch_;
   out.imu.assign(pending_imu_.view());
   pending_imu_.clear();
   deskew_and_extract(scan, out);
@@ -112,7 +124,7 @@ bool PreprocessStage::process(const sensor::Scan& scan, PreprocessedScan& out) {
 }
 
 void PreprocessStage::deskew_and_extract(const sensor::Scan& scan, PreprocessedScan& out) {
-  const std::uint64_t wanted = sequence_ < 2 ? 0 : sequence_ - 2;
+  const std::uint64_t wanted = std::max(first_.sequence, sequence_ < 2 ? 0 : sequence_ - 2);
   const Feedback& latest = feedback_at(wanted);
   late_feedback_ += latest.sequence == wanted ? 0 : 1;
   // Without samples (LiDAR only, or the sensor is silent) the scan is deskewed at constant velocity.
@@ -121,7 +133,7 @@ void PreprocessStage::deskew_and_extract(const sensor::Scan& scan, PreprocessedS
   if (samples.empty()) {
     // A deskew that feeds on its own two scans old velocity rings: its characteristic polynomial has a root at −1.
     // The mean of two scans moves it to 0.7.
-    const inertial::NavState& before = feedback_at(wanted == 0 ? 0 : wanted - 1).state;
+    const inertial::NavState& before = feedback_at(std::max(first_.sequence + 1, wanted) - 1).state;
     earlier.v_odom_imu = 0.5 * (earlier.v_odom_imu + before.v_odom_imu);
     earlier.gyro_bias = 0.5 * (earlier.gyro_bias + before.gyro_bias);
   }

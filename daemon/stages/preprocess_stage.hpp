@@ -25,7 +25,8 @@ struct PreprocessedScan {
   explicit PreprocessedScan(const odometry::OdometryConfig& config);
 
   std::uint64_t sequence = 0;                   // counts the scans handed over, from 1
-  std::optional<inertial::Alignment> start;     // on the first: where odom begins
+  std::uint32_t epoch = 1;                      // counts odom's beginnings
+  std::optional<inertial::Alignment> start;     // on the first of an epoch: where odom begins
   std::optional<Stamp> start_without_imu;       // the same where there is no inertial sensor
   scan::DeskewedScan deskewed;
   BoundedVector<sensor::ImuSample> imu;         // accepted since the scan before, so that no scan loses any
@@ -50,8 +51,15 @@ class PreprocessStage {
   /// Takes an inertial sample in; levels odom with the first ones.
   void add_imu(const sensor::ImuSample& sample);
 
-  /// Takes in what the odometry found.
-  void add_feedback(const Feedback& feedback) { history_[feedback.sequence % history_.size()] = feedback; }
+  /// Takes in what the odometry found. What is left of an epoch before is of no use.
+  void add_feedback(const Feedback& feedback) {
+    if (feedback.sequence > first_.sequence) {
+      history_[feedback.sequence % history_.size()] = feedback;
+    }
+  }
+
+  /// Begins an epoch: odom is levelled anew, and the first scan after that carries the start.
+  void restart(std::uint32_t epoch);
 
   /// Tells whether a scan can be processed now: the inertial samples reach its end, or it has waited enough.
   bool ready_for(const sensor::Scan& scan, Stamp now) const;
@@ -76,9 +84,11 @@ class PreprocessStage {
   inertial::StartUpAlignment aligner_;
   std::optional<inertial::Alignment> alignment_;
   int incomplete_passed_over_ = 0;
+  bool started_ = false;            // odom of this epoch is level
+  std::uint32_t epoch_ = 1;
   std::uint64_t sequence_ = 0;      // of the last scan handed over
   std::uint64_t late_feedback_ = 0;
-  Feedback first_;                  // stands for all before the first scan
+  Feedback first_;                  // stands for all before the epoch's first scan
   std::array<Feedback, 4> history_;  // by sequence
   // scratch, sized once
   BoundedVector<sensor::ImuSample> pending_imu_;

@@ -21,6 +21,7 @@ enum class Event : std::uint8_t {
   kScanSkipped,         // value: scans skipped so far, the odometry was late
   kImuLate,             // value: scans that went on without their samples so far
   kStarted,             // value: 1 at rest, 0 in motion, 2 without inertial sensor
+  kNewMap,              // by command: odom begins anew
   kStateChanged,        // value: state * 256 + cause
   kPoseReset,           // value: reset counter
 };

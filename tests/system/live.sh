@@ -64,6 +64,105 @@ live vlp16 udp
 live livox_avia livox
 live livox_mid360 livox 12
 
+# cause_is WHAT PATTERN: health names a cause like this within 6 s.
+cause_is() {
+  local said=
+  for _ in 1 2 3 4 5 6 7 8 9 10 11 12; do
+    said=$(on_host "$bin/slamd-status" --once --json --prefix COME | jq -r '.health.causes | join("; ")')
+    [[ "$said" =~ $2 ]] && { pass "$1: '$said'"; return; }
+    sleep 0.5
+  done
+  fail "$1: health says '$said', not like '$2'"
+}
+# state_is WHAT STATE: health is in this state within 6 s.
+state_is() {
+  local state=
+  for _ in 1 2 3 4 5 6 7 8 9 10 11 12; do
+    state=$(on_host "$bin/slamd-status" --once --json --prefix COME | jq -r .health.state)
+    [ "$state" = "$2" ] && { pass "$1"; return; }
+    sleep 0.5
+  done
+  fail "$1: health says $state, not $2"
+}
+# logs WHAT PATTERN COUNT: so many lines of the log are like this.
+logs() {
+  local count
+  count=$(grep -cE "$2" "$work/slamd.log")
+  if [ "$count" -eq "$3" ]; then pass "$1"; else fail "$1: $count lines like '$2', not $3"; fi
+}
+ask() { on_host "$bin/slamd-ctl" --prefix COME "$@"; }
+
+# A sensor that is absent at first, comes, goes and comes back; and meanwhile the commands.
+come_and_go() {
+  local work=$scratch/come daemon listener sending
+  mkdir -p "$work/saved"
+  "$bin/slamd-simulate" --out "$work/drive" --lidar vlp16 --seed 22 --duration 14 --imu-rate 400 >/dev/null || { fail "come and go: simulated"; return; }
+  grep -v '^source' "$work/drive/recording.toml" >"$work/slamd.toml"
+  ip netns exec slamd_host "$bin/slamd" --config "$work/slamd.toml" --set imu.source=udp --set lcm.prefix=COME \
+    --set "output.save_directory=$work/saved" 2>"$work/slamd.log" &
+  daemon=$!
+  ip netns exec slamd_host "$bin/slamd-status" --json --prefix COME >"$work/status.log" &
+  listener=$!
+  pids+=("$daemon" "$listener")
+  sleep 0.7
+  cause_is "a sensor that is absent at the start" 'vlp16: nothing received yet; imu: nothing received yet'
+  refuses_ "a save before there is a map" 'there is no map yet' save early
+  refuses_ "a set-pose before there is a pose" 'there is no pose yet' set-pose 1 2 0 90
+  refuses_ "a seal, for there is no black box" 'no black box' seal
+  ip netns exec slamd_sensor "$bin/slamd-replay" --to-network 10.77.0.1 --imu-to udp:10.77.0.1:7501 "$work/drive" >/dev/null &
+  sending=$!
+  state_is "the sensor appears: TRACKING" TRACKING
+  sleep 2
+  check "set-pose moves map" ask set-pose 10 20 0 90
+  check "save writes what there is" ask save first
+  refuses_ "a second save of the same name" 'is there already' save first
+  points=$(head -n 8 "$work/saved/first/map.ply" | awk '/^element vertex/ { print $3 + 0 }')
+  if [ "${points:-0}" -gt 10000 ] && [ "$(stat -c %s "$work/saved/first/map.ply")" -ge $((12 * points)) ]; then
+    pass "the map that was saved has $points points"
+  else
+    fail "the map that was saved has '$points' points"
+  fi
+  # The drive has gone a few metres by now: the trajectory, in map, ends near where set-pose put it.
+  if tail -n 1 "$work/saved/first/trajectory.tum" | awk '{ d = ($2 - 10)^2 + ($3 - 20)^2 } END { exit !(NF == 8 && d < 9) }'; then
+    pass "the trajectory that was saved is in map"
+  else
+    fail "the trajectory that was saved ends at $(tail -n 1 "$work/saved/first/trajectory.tum")"
+  fi
+  check "new-map is taken" ask new-map
+  state_is "new-map: STARTING until odom is level" STARTING
+  wait "$sending"
+  cause_is "the sensor disappears" 'vlp16: silent for [0-9.]+ s; imu: silent for [0-9.]+ s'
+  sleep 3.5  # now it may come back with another address
+  ip -n slamd_sensor addr flush dev slamd_b
+  ip -n slamd_sensor addr add 10.77.0.9/24 dev slamd_b
+  ip netns exec slamd_sensor "$bin/slamd-replay" --to-network 10.77.0.1 --imu-to udp:10.77.0.1:7501 "$work/drive" >/dev/null
+  ip -n slamd_sensor addr flush dev slamd_b
+  ip -n slamd_sensor addr add 10.77.0.2/24 dev slamd_b
+  kill -TERM "$listener" "$daemon"
+  wait "$listener"
+  if wait "$daemon"; then pass "come and go: ends cleanly"; else fail "come and go: ends with an error"; fi
+  if jq -es 'map(.pose.reset_counter // 0) | max >= 1' "$work/status.log" >/dev/null; then
+    pass "new-map increments the reset counter"
+  else
+    fail "new-map does not increment the reset counter: $(tail -n 1 "$work/status.log" | jq -c .pose)"
+  fi
+  logs "the log says who is heard first" 'the LiDAR is heard, from 10.77.0.2' 1
+  logs "the log says that it fell silent" 'the LiDAR has fallen silent' 1
+  logs "the log says that it returned, from elsewhere" 'the LiDAR is heard, from 10.77.0.9' 1
+  logs "the log says that the inertial sensor came and came back" 'the inertial sensor is heard' 2
+  logs "the log says that a new map was ordered" 'a new map was ordered' 1
+  logs "the log says where odom began, twice" 'odometry begins' 2
+  if [ "$(wc -l <"$work/slamd.log")" -lt 100 ]; then pass "the log is short"; else fail "the log has $(wc -l <"$work/slamd.log") lines"; fi
+}
+# refuses_ WHAT PATTERN COMMAND...: slamd-ctl is refused with these words.
+refuses_() {
+  local what=$1 pattern=$2 said
+  shift 2
+  if said=$(ask "$@" 2>&1); then fail "$what: is not refused"; return; fi
+  if [[ "$said" =~ $pattern ]]; then pass "$what is refused: '$said'"; else fail "$what is refused, but '$said'"; fi
+}
+come_and_go
+
 # A second daemon finds the port taken, and says by whom.
 printf '[[lidar]]\nmodel = "vlp16"\n' >"$scratch/lone.toml"
 ip netns exec slamd_host "$bin/slamd" --config "$scratch/lone.toml" 2>/dev/null &

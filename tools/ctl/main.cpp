@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cstdio>
 #include <memory>
 #include <random>
@@ -12,6 +13,9 @@
 namespace {
 
 using namespace slamd;
+
+/// A large map takes some seconds to be copied between the scans.
+constexpr double kSavePatience_s = 30.0;
 
 void declare(CLI::App& app, ctl::Options& options) {
   app.add_option("--url", options.url, "LCM's URL, as lcm.url of the daemon")->capture_default_str();
@@ -31,7 +35,7 @@ void declare(CLI::App& app, ctl::Options& options) {
     });
   };
   add("new-map", "Forgets the map and begins a new one here", {});
-  add("save", "Saves the session to a file of the daemon's computer", {"FILE"});
+  add("save", "Saves map and trajectory as a folder of the daemon's output.save_directory", {"NAME"});
   add("set-pose", "Says where base is in map: m, m, m, degrees", {"X", "Y", "Z", "YAW_DEG"});
   add("seal", "Keeps what the black box holds now", {});
   app.footer("Exit: 0 done, 1 refused or no answer, 2 bad usage.");
@@ -42,6 +46,9 @@ int run(ctl::Options& options) {
     throw cli::UsageError("--prefix: 1 to 40 letters, digits, '_' and '-'");
   }
   std::random_device random;
+  if (options.command.verb == "save") {
+    options.timeout_s = std::max(options.timeout_s, kSavePatience_s);
+  }
   options.command.id = std::uint64_t{random()} << 32U | random();
   bus::Connection connection(options.url);
   const bus::Reply reply = ctl::ask(connection, options);

@@ -94,6 +94,8 @@ TEST(CommandListener, RefusesInWordsWhatItDoesNotKnow) {
       {{.id = 1, .verb = "fly", .arguments = {}}, "unknown command 'fly'"},
       {{.id = 2, .verb = "save", .arguments = {}}, "save takes 1 arguments, not 0"},
       {{.id = 3, .verb = "save", .arguments = {""}}, "save: an argument has 1 to 255 bytes"},
+      {{.id = 6, .verb = "save", .arguments = {"../x"}},
+       "save: a name has letters, digits, '.', '_' and '-' only, and does not begin with '.'"},
       {{.id = 4, .verb = "set-pose", .arguments = {"1", "2", "3", "north"}}, "set-pose: 'north' is no number"},
       {{.id = 5, .verb = "set-pose", .arguments = {"1", "2", "nan", "0"}}, "set-pose: 'nan' is no number"},
   };

@@ -173,6 +173,35 @@ TEST_F(Live, SaysWhatIsSilentAndGoesOnWhenItReturns) {
   EXPECT_TRUE(comes_true([&] { return sut.odometry().counts().scans > before; }));
 }
 
+TEST_F(Live, GivesItsMapAndPosesAwayAndThenBeginsAnew) {
+  const transport::HostClock clock;
+  const Configuration configured = configuration();
+  Pipeline sut(configured, clock);
+  HealthMonitor health(configured, clock.now());
+  sut.start();
+  play(0, events_.size());
+  ASSERT_TRUE(comes_true([&] { return sut.odometry().counts().scans >= 10; }));
+
+  std::size_t points = 0;
+  std::size_t far_away = 0;
+  sut.want_map();
+  EXPECT_TRUE(comes_true([&] {
+    return sut.take_map([&](const Eigen::Vector3f& p_odom) {
+      ++points;
+      far_away += p_odom.norm() < 150.0F ? 0 : 1;
+    });
+  }));
+  std::size_t poses = 0;
+  sut.take_scan_poses([&](const ScanPose& pose) { poses += pose.epoch == 1 ? 1 : 0; });
+  EXPECT_GT(points, 1000U);
+  EXPECT_EQ(far_away, 0U);
+  EXPECT_GE(poses, 10U);
+  EXPECT_NE(health.read(sut, clock.now()).state, bus::State::kStarting);
+
+  EXPECT_EQ(sut.begin_epoch(), 2U);
+  EXPECT_EQ(health.read(sut, clock.now()).state, bus::State::kStarting);
+}
+
 TEST_F(Live, SurvivesGarbageOnAllPorts) {
   const transport::HostClock clock;
   Pipeline sut(configuration(), clock);

@@ -24,9 +24,10 @@ using sensor::ImuSample;
 struct Drive {
   double radius_m = 3.0;
   double top_speed_mps = 1.2;
+  double rest_s = 1.5;
 
   double angle_rad(double t_s) const {
-    const double t = std::max(0.0, t_s - 1.5);
+    const double t = std::max(0.0, t_s - rest_s);
     // The speed rises over two seconds with a continuous slope.
     const double ramp = t < 2.0 ? t * t * t / 4.0 - t * t * t * t / 16.0 : t - 1.0;
     return top_speed_mps * ramp / radius_m;
@@ -53,6 +54,8 @@ struct Outcome {
   double worst_rad = 0.0;
   int scans = 0;
   int degraded = 0;
+  int starts = 0;        // the figures are of the time since the last one
+  double start_m = 0.0;  // from odom's origin
   std::size_t allocations = 0;
   Se3 T_odom_base_last;
 };
@@ -65,10 +68,9 @@ OdometryConfig small_config() {
 
 /// Drives through the room; `silent(t)` tells when the inertial sensor says nothing.
 template <typename Silent>
-Outcome follow(const OdometryConfig& config, double seconds, Silent&& silent) {
+Outcome follow(const OdometryConfig& config, double seconds, Silent&& silent, const Drive& drive = {}, int restart_scan = -1) {
   std::mt19937_64 engine(11);
   std::normal_distribution<double> normal;
-  const Drive drive;
   const world::Room room;
   const Eigen::Vector3d gyro_bias(0.003, -0.002, 0.004);
   const Eigen::Vector3d accel_bias(0.05, -0.08, 0.06);
@@ -91,12 +93,21 @@ Outcome follow(const OdometryConfig& config, double seconds, Silent&& silent) {
     const sensor::Scan scan = room.scan(begin, std::chrono::milliseconds(100), 600, 0.01, engine,
                                         [&](double t) { return drive.pose(0.1 * k + t); });
     std::optional<OdometryResult> result;
-    outcome.allocations += support::count_allocations([&] { result = sut.process(scan); });
+    outcome.allocations += support::count_allocations([&] {
+      if (k == restart_scan) {
+        sut.restart(2);
+      }
+      result = sut.process(scan);
+    });
     if (!result) {
+      outcome.scans = 0;
+      outcome.worst_m = 0.0;
       continue;
     }
     const Se3 truth = drive.pose(0.1 * (k + 1));
     if (outcome.scans++ == 0) {
+      ++outcome.starts;
+      outcome.start_m = result->T_odom_base.translation().norm();
       T_world_odom = truth * result->T_odom_base.inverse();
     }
     const geometry::Vector6d error = geometry::boxminus(T_world_odom * result->T_odom_base, truth);
@@ -163,6 +174,19 @@ TEST(FrontEnd, SurvivesSilenceOfTheInertialSensorAndItsReturn) {
   EXPECT_GE(outcome.degraded, 15);
   EXPECT_LE(outcome.degraded, 30);
   EXPECT_LT(outcome.worst_m, 0.10);
+}
+
+TEST(FrontEnd, BeginsOdomAndMapAnewWhenToldToAndForgetsWhatWasBefore) {
+  Drive drive;
+  drive.rest_s = 3.0;
+
+  const Outcome outcome = follow(small_config(), 6.0, kNeverSilent, drive, 15);
+
+  EXPECT_EQ(outcome.starts, 2);
+  EXPECT_LT(outcome.start_m, 0.05);
+  EXPECT_GT(outcome.scans, 25);
+  EXPECT_LT(outcome.worst_m, 0.05);
+  EXPECT_EQ(outcome.allocations, 0U);
 }
 
 TEST(FrontEnd, GivesTheSameBitsTwice) {

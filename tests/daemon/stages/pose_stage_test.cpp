@@ -99,6 +99,22 @@ TEST(PoseStage, CountsACorrectionThatIsLargerThanItsUncertainty) {
   EXPECT_EQ(pose->reset_counter, 1U);
 }
 
+TEST(PoseStage, CountsANewOdomAsAJumpHoweverSmallItIs) {
+  PoseStage sut(config(), kScan);
+  sut.add_imu(sample(0));
+  sut.add_anchor(anchor(0, 0.0));
+  sut.add_imu(sample(1));
+  Anchor of_another_odom = anchor(1, 0.006);
+  of_another_odom.epoch = 2;
+  sut.add_anchor(of_another_odom);
+
+  const auto pose = sut.add_imu(sample(2));
+
+  ASSERT_TRUE(pose);
+  EXPECT_NEAR(pose->T_odom_base.translation().x(), 0.011, 1e-9);
+  EXPECT_EQ(pose->reset_counter, 1U);
+}
+
 TEST(PoseStage, DoesNotAllocate) {
   SLAMD_NEEDS_ALLOCATION_GUARD();
   PoseStage sut(config(), kScan);

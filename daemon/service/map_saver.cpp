@@ -1,0 +1,91 @@
+#include "daemon/service/map_saver.hpp"
+
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <stdexcept>
+
+namespace slamd::service {
+
+namespace fs = std::filesystem;
+
+std::string MapSaver::begin(std::uint64_t command_id, const std::string& name, const geometry::Se3& T_map_odom) {
+  if (directory_.empty()) {
+    return "output.save_directory is not configured";
+  }
+  if (is_busy()) {
+    return "another save is under way";
+  }
+  if (pipeline_.odometry().counts().epoch != pipeline_.epoch()) {
+    return "there is no map yet";
+  }
+  const fs::path whole = directory_ / name;
+  const fs::path part = directory_ / ("." + name + ".part");
+  try {
+    if (fs::exists(whole)) {
+      return whole.string() + " is there already";
+    }
+    fs::remove_all(part);
+    fs::create_directories(part);
+    job_ = std::make_unique<Job>(Job{command_id, part, whole, T_map_odom, std::make_unique<storage::PlyWriter>(part / "map.ply")});
+  } catch (const std::exception& error) {
+    return error.what();
+  }
+  pipeline_.want_map();
+  return {};
+}
+
+std::optional<bus::Reply> MapSaver::run_once() {
+  pipeline_.take_scan_poses([this](const pipeline::ScanPose& pose) { add(pose); });
+  if (!is_busy()) {
+    return std::nullopt;
+  }
+  const Eigen::Matrix3f R = job_->T_map_odom.rotation().cast<float>();
+  const Eigen::Vector3f t = job_->T_map_odom.translation().cast<float>();
+  if (!pipeline_.take_map([&](const Eigen::Vector3f& p_odom) { job_->map->write(R * p_odom + t); })) {
+    return std::nullopt;
+  }
+  const std::unique_ptr<Job> job = std::move(job_);
+  try {
+    job->map->close();
+    std::FILE* stream = std::fopen((job->part / "trajectory.tum").c_str(), "wb");
+    if (stream == nullptr) {
+      throw std::runtime_error((job->part / "trajectory.tum").string() + ": " + std::strerror(errno));
+    }
+    for (const recording::StampedPose& pose : trajectory_odom_) {
+      recording::write_tum_line(stream, pose.stamp, job->T_map_odom * pose.T);
+    }
+    if (std::fclose(stream) != 0) {
+      throw std::runtime_error((job->part / "trajectory.tum").string() + ": " + std::strerror(errno));
+    }
+    fs::rename(job->part, job->whole);
+  } catch (const std::exception& error) {
+    std::error_code ignored;
+    fs::remove_all(job->part, ignored);
+    return bus::Reply{job->command_id, false, error.what()};
+  }
+  return bus::Reply{job->command_id, true,
+                    job->whole.string() + ": " + std::to_string(job->map->points()) + " points, " + std::to_string(trajectory_odom_.size()) + " poses"};
+}
+
+void MapSaver::add(const pipeline::ScanPose& pose) {
+  if (pose.epoch != epoch_) {
+    epoch_ = pose.epoch;
+    trajectory_odom_.clear();
+    every_ = 1;
+    scans_ = 0;
+  }
+  if (scans_++ % every_ != 0) {
+    return;
+  }
+  if (trajectory_odom_.size() == kMostPoses) {
+    for (std::size_t i = 0; i < kMostPoses / 2; ++i) {
+      trajectory_odom_[i] = trajectory_odom_[2 * i];
+    }
+    trajectory_odom_.resize(kMostPoses / 2);
+    every_ *= 2;
+  }
+  trajectory_odom_.push_back({pose.stamp, pose.T_odom_base});
+}
+
+}  // namespace slamd::service

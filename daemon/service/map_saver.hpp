@@ -1,0 +1,55 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "daemon/bus/messages.hpp"
+#include "daemon/pipeline/pipeline.hpp"
+#include "drivers/recording/tum.hpp"
+#include "drivers/storage/ply_writer.hpp"
+
+namespace slamd::service {
+
+/// Answers the command "save": writes what the odometry's local map holds, and the trajectory since odom began, both in
+/// map, to DIRECTORY/NAME/map.ply and trajectory.tum. The odometry copies its map in parts between scans; the files are
+/// written here, and the folder gets its name when they are whole.
+/// Threads: housekeeping.
+class MapSaver {
+ public:
+  /// More poses than this: every second one is dropped. A scan of 10 Hz: 14 hours.
+  static constexpr std::size_t kMostPoses = 500'000;
+
+  MapSaver(std::filesystem::path directory, pipeline::Pipeline& pipeline) : directory_(std::move(directory)), pipeline_(pipeline) {}
+
+  bool is_busy() const { return job_ != nullptr; }
+
+  /// Begins to save as `name`. Returns what is against it, in words; empty: nothing, and run_once() will tell the end.
+  std::string begin(std::uint64_t command_id, const std::string& name, const geometry::Se3& T_map_odom);
+
+  /// Goes on; returns the reply when it is done.
+  std::optional<bus::Reply> run_once();
+
+ private:
+  struct Job {
+    std::uint64_t command_id = 0;
+    std::filesystem::path part;  // under this name until it is whole
+    std::filesystem::path whole;
+    geometry::Se3 T_map_odom;
+    std::unique_ptr<storage::PlyWriter> map;
+  };
+
+  void add(const pipeline::ScanPose& pose);
+
+  std::filesystem::path directory_;
+  pipeline::Pipeline& pipeline_;
+  std::uint32_t epoch_ = 0;
+  std::vector<recording::StampedPose> trajectory_odom_;
+  std::uint64_t every_ = 1;  // so many scans a pose
+  std::uint64_t scans_ = 0;
+  std::unique_ptr<Job> job_;
+};
+
+}  // namespace slamd::service
