@@ -97,6 +97,9 @@ std::string parameters_json(const Drive& drive) {
   json["lidar"] = name_of(drive.lidar);
   json["returns"] = name_of_returns(drive);
   json["vehicle"] = name_of_vehicle(drive.vehicle);
+  if (drive.driven) {
+    json["driven"] = true;  // commands.csv has the rest
+  }
   json["seed"] = drive.seed;
   json["duration_s"] = drive.duration_s;
   json["speed_mps"] = drive.speed_mps;

@@ -37,6 +37,7 @@ struct Drive {
   std::vector<Eigen::Vector2d> waypoints = {};        // in place of the world's tour; closed
   Extras extras = {};
   VehicleKind vehicle = VehicleKind::kAckermann;
+  bool driven = false;                                // by velocity commands, as they come, in place of the tour
   double turn_rate_radps = 2.0944;
   double bumps_per_100m = 0.0;
   double vibration_mps2 = 0.0;

@@ -428,7 +428,7 @@ TEST(MonotonicSendClock, SleepsUntilItsDeadline) {
 TEST(Destination, ReadsHostAndPorts) {
   ToNetworkOptions sut;
 
-  parse_destination("10.1.2.3:4000:5000", sut);
+  parse_destination("--to-network", "10.1.2.3:4000:5000", sut);
   parse_imu_destination("udp:localhost:7501", sut);
   EXPECT_EQ(sut.address, 0x0A010203U);
   EXPECT_EQ(sut.data_port, 4000);
@@ -436,7 +436,7 @@ TEST(Destination, ReadsHostAndPorts) {
   EXPECT_EQ(sut.imu_address, kLoopback);
   EXPECT_EQ(sut.imu_port, 7501);
 
-  parse_destination("10.1.2.3", sut);
+  parse_destination("--to-network", "10.1.2.3", sut);
   parse_imu_destination("pty:/run/a:b", sut);
   EXPECT_EQ(sut.data_port, 0);
   EXPECT_EQ(sut.position_port, 0);
