@@ -447,7 +447,7 @@ TEST(Destination, RefusesWhatIsNone) {
   ToNetworkOptions sut;
 
   for (const char* text : {"", ":2368", "10.1.2.3:0", "10.1.2.3:65536", "10.1.2.3:x", "10.1.2.3:1:2:3"}) {
-    EXPECT_THROW(parse_destination(text, sut), cli::UsageError) << text;
+    EXPECT_THROW(parse_destination("--to-network", text, sut), cli::UsageError) << text;
   }
   for (const char* text : {"", "udp", "udp:10.1.2.3", "udp:10.1.2.3:0", "pty", "pty:", "tcp:10.1.2.3:7"}) {
     EXPECT_THROW(parse_imu_destination(text, sut), cli::UsageError) << text;
