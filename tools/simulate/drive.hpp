@@ -42,7 +42,9 @@ struct Drive {
   double bumps_per_100m = 0.0;
   double vibration_mps2 = 0.0;
   bool dual = false;                                  // Velodyne: two returns
-  LivoxReturns returns = LivoxReturns::kFirst;        // Avia
+  LivoxReturns returns = LivoxReturns::kFirst;        // Avia; and the two below
+  RisleyPattern pattern = RisleyPattern::kNonRepetitive;
+  bool spherical = false;
   bool mixed_pixels = false;
   double drops_per_m = 0.0;
   std::optional<double> range_noise_m = std::nullopt;  // in place of the model's

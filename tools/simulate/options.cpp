@@ -113,6 +113,12 @@ void declare(CLI::App& app, Options& options) {
   app.add_option("--returns", options.returns, "strongest, dual; Avia: first, strongest, dual, triple")
       ->check(CLI::IsMember({"first", "strongest", "dual", "triple"}))
       ->group(kSensors);
+  app.add_option("--scan-pattern", options.pattern, "Avia: non_repetitive, or a repeated band of 70° × 4.5°")
+      ->check(CLI::IsMember({"non_repetitive", "repetitive"}))
+      ->group(kSensors);
+  app.add_option("--coordinates", options.coordinates, "Avia: of the points in its packets")
+      ->check(CLI::IsMember({"cartesian", "spherical"}))
+      ->group(kSensors);
   app.add_option("--range-noise", options.range_noise_m, "In place of the model's, 1σ, m")
       ->check(CLI::Range(0.0, 1.0))
       ->group(kSensors);
@@ -181,6 +187,12 @@ Drive drive_of(const Options& options) {
       (drive.lidar == LidarKind::kLivoxMid360 && options.returns == "dual")) {
     throw cli::UsageError("--returns " + options.returns + ": " + options.lidar + " has no such mode");
   }
+  if (!avia && !(options.pattern.empty() && options.coordinates.empty())) {
+    throw cli::UsageError("--scan-pattern and --coordinates: " + options.lidar + " has no such setting");
+  }
+  drive.pattern =
+      options.pattern == "repetitive" ? RisleyPattern::kRepetitive : RisleyPattern::kNonRepetitive;
+  drive.spherical = options.coordinates == "spherical";
   drive.dual = !avia && options.returns == "dual";
   drive.returns = options.returns == "triple"      ? LivoxReturns::kTriple
                   : options.returns == "dual"      ? LivoxReturns::kDual

@@ -22,6 +22,8 @@ struct Options {
   std::string lidar = "vlp16";
   std::string vehicle = "ackermann";
   std::string returns;
+  std::string pattern;
+  std::string coordinates;
   std::string waypoints;
   std::string mesh;
   double turn_rate_degps = 120.0;

@@ -68,7 +68,8 @@ Scene::Scene(const Drive& drive)
   SpinningSettings settings{SpinningKind::kVlp16, drive.dual, kHourOffset_s, kStart_unix_s};
   switch (drive.lidar) {
     case LidarKind::kLivoxAvia:
-      avia_.emplace(world(), motion(), mounting_.T_base_lidar, errors, drive.seed, drive.returns);
+      avia_.emplace(world(), motion(), mounting_.T_base_lidar, errors, drive.seed,
+                    LivoxSettings{drive.returns, drive.pattern, drive.spherical});
       return;
     case LidarKind::kLivoxMid360:
       mid360_.emplace(world(), motion(), mounting_.T_base_lidar, errors, drive.seed);
