@@ -20,6 +20,8 @@ Channels::Channels(std::string_view prefix) {
   health = std::string(prefix) + "_HEALTH";
   command = std::string(prefix) + "_COMMAND";
   reply = std::string(prefix) + "_REPLY";
+  velocity_command = std::string(prefix) + "_VELOCITY_COMMAND";
+  truth = std::string(prefix) + "_TRUTH";
 }
 
 }  // namespace slamd::bus

@@ -22,6 +22,8 @@ struct Channels {
   std::string health;
   std::string command;
   std::string reply;
+  std::string velocity_command;
+  std::string truth;
 };
 
 }  // namespace slamd::bus

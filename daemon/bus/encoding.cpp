@@ -10,6 +10,8 @@
 #include <slamd_lcm/pose_t.hpp>
 #include <slamd_lcm/reply_t.hpp>
 #include <slamd_lcm/scan_chunk_t.hpp>
+#include <slamd_lcm/truth_t.hpp>
+#include <slamd_lcm/velocity_command_t.hpp>
 
 #include "core/base/bytes.hpp"
 
@@ -434,6 +436,48 @@ std::optional<Reply> decode_reply(std::span<const std::byte> bytes) {
     return std::nullopt;
   }
   return Reply{.id = static_cast<std::uint64_t>(message.id), .ok = message.ok != 0, .text = message.text};
+}
+
+std::size_t encode(const VelocityCommand& command, std::span<std::byte> buffer) {
+  slamd_lcm::velocity_command_t message;
+  message.stamp_ns = ns_of(command.stamp);
+  message.v_m_s = command.v_mps;
+  message.w_rad_s = command.w_radps;
+  return write(message, buffer);
+}
+
+std::optional<VelocityCommand> decode_velocity_command(std::span<const std::byte> bytes) {
+  slamd_lcm::velocity_command_t message;
+  if (!read(bytes, message) || !std::isfinite(message.v_m_s) || !std::isfinite(message.w_rad_s)) {
+    return std::nullopt;
+  }
+  return VelocityCommand{.stamp = stamp_of(message.stamp_ns), .v_mps = message.v_m_s, .w_radps = message.w_rad_s};
+}
+
+std::size_t encode(const Truth& truth, std::span<std::byte> buffer) {
+  slamd_lcm::truth_t message;
+  message.stamp_ns = ns_of(truth.stamp);
+  write_transform(truth.T_world_base, message.position_world_m, message.quaternion_world_base);
+  Eigen::Vector3d::Map(message.velocity_world_mps) = truth.v_world_base;
+  Eigen::Vector3d::Map(message.rate_base_radps) = truth.rate_base_radps;
+  message.collisions = static_cast<std::int32_t>(truth.collisions);
+  return write(message, buffer);
+}
+
+std::optional<Truth> decode_truth(std::span<const std::byte> bytes) {
+  slamd_lcm::truth_t message;
+  if (!read(bytes, message)) {
+    return std::nullopt;
+  }
+  const auto T_world_base = read_transform(message.position_world_m, message.quaternion_world_base);
+  if (!T_world_base) {
+    return std::nullopt;
+  }
+  return Truth{.stamp = stamp_of(message.stamp_ns),
+               .T_world_base = *T_world_base,
+               .v_world_base = Eigen::Vector3d::Map(message.velocity_world_mps),
+               .rate_base_radps = Eigen::Vector3d::Map(message.rate_base_radps),
+               .collisions = static_cast<std::uint32_t>(message.collisions)};
 }
 
 }  // namespace slamd::bus

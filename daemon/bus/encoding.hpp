@@ -19,6 +19,8 @@ std::size_t encode(const ScanChunk& chunk, std::span<std::byte> buffer);
 std::size_t encode(const Health& health, std::span<std::byte> buffer);
 std::size_t encode(const Command& command, std::span<std::byte> buffer);
 std::size_t encode(const Reply& reply, std::span<std::byte> buffer);
+std::size_t encode(const VelocityCommand& command, std::span<std::byte> buffer);
+std::size_t encode(const Truth& truth, std::span<std::byte> buffer);
 
 /// Reads a message of whoever sent it.
 /// Errors: nothing for what is not exactly one whole message of this type with values in their ranges.
@@ -28,5 +30,7 @@ std::optional<ScanChunk> decode_scan_chunk(std::span<const std::byte> message);
 std::optional<Health> decode_health(std::span<const std::byte> message);
 std::optional<Command> decode_command(std::span<const std::byte> message);
 std::optional<Reply> decode_reply(std::span<const std::byte> message);
+std::optional<VelocityCommand> decode_velocity_command(std::span<const std::byte> message);
+std::optional<Truth> decode_truth(std::span<const std::byte> message);
 
 }  // namespace slamd::bus

@@ -166,4 +166,25 @@ struct Reply {
   std::string text;  // for people; up to 1,000 bytes are sent
 };
 
+/// How a vehicle shall move, from a planner or a person. Holds for kCommandHolds.
+/// Units: m/s ahead, rad/s to the left.
+struct VelocityCommand {
+  Stamp stamp{};
+  double v_mps = 0.0;
+  double w_radps = 0.0;
+};
+
+/// A vehicle that hears nothing for longer stops.
+inline constexpr Duration kCommandHolds = std::chrono::milliseconds(500);
+
+/// Where a simulated vehicle really is.
+/// Frames: T_world_base; velocity of base in world; angular rate in base.
+struct Truth {
+  Stamp stamp{};
+  geometry::Se3 T_world_base;
+  Eigen::Vector3d v_world_base = Eigen::Vector3d::Zero();
+  Eigen::Vector3d rate_base_radps = Eigen::Vector3d::Zero();
+  std::uint32_t collisions = 0;
+};
+
 }  // namespace slamd::bus

@@ -36,8 +36,8 @@ refuses() {
   fi
 }
 
-# holds WHAT FILE FILTER: the jq filter is true of the JSON file.
-holds() { check "$1" jq -e "$3" "$2"; }
+# holds WHAT FILE FILTER: the jq filter is true of the JSON file. To jq, anything is true of an empty one.
+holds() { if [ -s "$2" ]; then check "$1" jq -e "$3" "$2"; else fail "$1: $2 is empty"; fi; }
 
 # needs PROGRAM...: ends the script with a visible skip when one is not installed.
 needs() {

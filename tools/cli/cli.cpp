@@ -66,6 +66,11 @@ Progress::~Progress() {
   }
 }
 
+void Progress::say(const std::string& line) {
+  std::fprintf(stderr, "%s%s\n", shown_ ? "\r\033[K" : "", line.c_str());
+  shown_ = false;
+}
+
 void Progress::show(double share) {
   const auto now = std::chrono::steady_clock::now();
   if (!terminal_ || (shown_ && now - last_ < std::chrono::milliseconds(100))) {

@@ -34,6 +34,9 @@ class Progress {
   /// Draws the bar. `share` from 0 to 1.
   void show(double share);
 
+  /// Prints a line on standard error, out of the bar's way.
+  void say(const std::string& line);
+
  private:
   std::string what_;
   bool terminal_;

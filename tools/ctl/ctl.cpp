@@ -51,6 +51,23 @@ bus::Reply ask(bus::Connection& connection, const Options& options, const std::f
   return **reply;
 }
 
+void drive(bus::Connection& connection, const std::string& prefix, const bus::VelocityCommand& command, double seconds,
+           const std::function<void(std::chrono::milliseconds)>& idle) {
+  constexpr std::chrono::milliseconds kBetween{100};
+  const bus::Channels channels(prefix);
+  const auto send = [&](bus::VelocityCommand now) {
+    now.stamp = Stamp(std::chrono::duration_cast<Duration>(std::chrono::system_clock::now().time_since_epoch()));
+    std::array<std::byte, bus::kLargestMessage_bytes> buffer;
+    connection.send(channels.velocity_command, {buffer.data(), bus::encode(now, buffer)});
+  };
+  const auto count = static_cast<int>(seconds / std::chrono::duration<double>(kBetween).count() + 0.5);
+  for (int i = 0; i < count; ++i) {
+    send(command);
+    idle(kBetween);
+  }
+  send({});
+}
+
 std::string printable(const std::string& text) {
   std::string result = text;
   std::replace_if(result.begin(), result.end(),

@@ -3,6 +3,7 @@
 #include <memory>
 #include <random>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include <CLI/CLI.hpp>
@@ -38,6 +39,12 @@ void declare(CLI::App& app, ctl::Options& options) {
   add("save", "Saves map and trajectory as a folder of the daemon's output.save_directory", {"NAME"});
   add("set-pose", "Says where base is in map: m, m, m, degrees", {"X", "Y", "Z", "YAW_DEG"});
   add("seal", "Keeps what the black box holds now", {});
+  CLI::App* const drive = app.add_subcommand("drive", "Moves a simulated vehicle (slamd-simulate --drive) for a time, then stops it");
+  drive->fallthrough();
+  drive->add_option("V", options.velocity.v_mps, "m/s ahead")->required()->check(CLI::Range(-100.0, 100.0));
+  drive->add_option("W", options.velocity.w_radps, "rad/s to the left")->required()->check(CLI::Range(-100.0, 100.0));
+  drive->add_option("SECONDS", options.drive_s, "how long")->required()->check(CLI::Range(0.0, 3600.0));
+  drive->callback([&options] { options.drives = true; });
   app.footer("Exit: 0 done, 1 refused or no answer, 2 bad usage.");
 }
 
@@ -51,6 +58,10 @@ int run(ctl::Options& options) {
   }
   options.command.id = std::uint64_t{random()} << 32U | random();
   bus::Connection connection(options.url);
+  if (options.drives) {
+    ctl::drive(connection, options.prefix, options.velocity, options.drive_s, [](auto time) { std::this_thread::sleep_for(time); });
+    return 0;
+  }
   const bus::Reply reply = ctl::ask(connection, options);
   std::printf("%s%s\n", reply.ok ? "" : "refused: ", ctl::printable(reply.text).c_str());
   return reply.ok ? 0 : 1;

@@ -61,7 +61,7 @@ int send(const replay::Recording& recording, const Options& options) {
     throw cli::UsageError("--speed: must be from 0.01 to 1000, or 0: as fast as it goes");
   }
   target.speed = options.speed;
-  replay::parse_destination(options.to_network, target);
+  replay::parse_destination("--to-network", options.to_network, target);
   if (!options.imu_to.empty()) {
     replay::parse_imu_destination(options.imu_to, target);
     if (recording.imu_csv.empty()) {

@@ -96,10 +96,10 @@ double ms(Duration duration) { return 1e3 * to_seconds(duration); }
 
 }  // namespace
 
-void parse_destination(const std::string& text, ToNetworkOptions& options) {
+void parse_destination(const std::string& option, const std::string& text, ToNetworkOptions& options) {
   const std::vector<std::string> parts = split(text);
   if (parts.size() > 3 || parts[0].empty()) {
-    throw cli::UsageError("--to-network " + text + ": must be HOST[:DATA_PORT[:POSITION_PORT]]");
+    throw cli::UsageError(option + " " + text + ": must be HOST[:DATA_PORT[:POSITION_PORT]]");
   }
   options.address = resolve(parts[0]);
   options.data_port = parts.size() > 1 ? parse_port(parts[1]) : std::uint16_t{0};
@@ -214,8 +214,8 @@ void NetworkPlayer::send(const Packet& packet) {
   }
 }
 
-bool NetworkPlayer::send(const ImuSample& row) {
-  if (!wait_until(row.stamp)) {
+bool NetworkPlayer::send(const ImuSample& row, Stamp due) {
+  if (!wait_until(due)) {
     return false;
   }
   std::array<char, 256> buffer;
@@ -252,7 +252,6 @@ NetworkPlayer::Kind NetworkPlayer::kind_of(const Packet& packet) const {
   return packet.destination_port == lidar_.position_port ? Kind::kPosition : Kind::kForeign;
 }
 
-/// Waits for an event's time; false when the user does not want it any more.
 bool NetworkPlayer::wait_until(Stamp due) {
   now_ = std::max(now_, due);
   if (options_.speed > 0.0) {

@@ -27,8 +27,8 @@ struct ToNetworkOptions {
   std::filesystem::path imu_terminal;
 };
 
-/// Reads HOST[:DATA_PORT[:POSITION_PORT]]. Errors: cli::UsageError.
-void parse_destination(const std::string& text, ToNetworkOptions& options);
+/// Reads HOST[:DATA_PORT[:POSITION_PORT]]. Errors: cli::UsageError, which names the command line's option.
+void parse_destination(const std::string& option, const std::string& text, ToNetworkOptions& options);
 
 /// Reads udp:HOST:PORT or pty:LINKPATH. Errors: cli::UsageError.
 void parse_imu_destination(const std::string& text, ToNetworkOptions& options);
@@ -102,8 +102,11 @@ class NetworkPlayer {
   /// Waits for the packet's time and sends it; a packet that is none of the LiDAR's is only counted.
   void send(const recording::Packet& packet);
 
-  /// Waits for the row's time and sends it; false when the user does not want it any more.
-  bool send(const sensor::ImuSample& row);
+  /// Waits until a row is due, whatever its stamp, and sends it; false when the user does not want it any more.
+  bool send(const sensor::ImuSample& row, Stamp due);
+
+  /// Waits for the time of something else; false when the user does not want it any more.
+  bool wait_until(Stamp due);
 
   /// Ends the sending, and returns the counts.
   ToNetworkReport finish();
@@ -121,7 +124,6 @@ class NetworkPlayer {
   enum class Kind { kData, kPosition, kImu, kForeign };
 
   Kind kind_of(const recording::Packet& packet) const;
-  bool wait_until(Stamp due);
   bool is_stopped();
   void drain_terminal();
 

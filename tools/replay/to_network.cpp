@@ -37,7 +37,7 @@ class Rows {
   }
 
   void send_until(Stamp until, NetworkPlayer& player) {
-    while (next_ && next_->stamp <= until && player.send(*next_)) {
+    while (next_ && next_->stamp <= until && player.send(*next_, next_->stamp)) {
       advance();
     }
   }

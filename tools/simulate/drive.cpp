@@ -96,7 +96,14 @@ std::string parameters_json(const Drive& drive) {
   json["world"] = drive.mesh.empty() ? drive.world : drive.mesh.string();
   json["lidar"] = name_of(drive.lidar);
   json["returns"] = name_of_returns(drive);
+  if (drive.lidar == LidarKind::kLivoxAvia) {
+    json["scan_pattern"] = drive.pattern == RisleyPattern::kRepetitive ? "repetitive" : "non_repetitive";
+    json["coordinates"] = drive.spherical ? "spherical" : "cartesian";
+  }
   json["vehicle"] = name_of_vehicle(drive.vehicle);
+  if (drive.driven) {
+    json["driven"] = true;  // commands.csv has the rest
+  }
   json["seed"] = drive.seed;
   json["duration_s"] = drive.duration_s;
   json["speed_mps"] = drive.speed_mps;

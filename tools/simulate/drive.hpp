@@ -37,11 +37,14 @@ struct Drive {
   std::vector<Eigen::Vector2d> waypoints = {};        // in place of the world's tour; closed
   Extras extras = {};
   VehicleKind vehicle = VehicleKind::kAckermann;
+  bool driven = false;                                // by velocity commands, as they come, in place of the tour
   double turn_rate_radps = 2.0944;
   double bumps_per_100m = 0.0;
   double vibration_mps2 = 0.0;
   bool dual = false;                                  // Velodyne: two returns
-  LivoxReturns returns = LivoxReturns::kFirst;        // Avia
+  LivoxReturns returns = LivoxReturns::kFirst;        // Avia; and the two below
+  RisleyPattern pattern = RisleyPattern::kNonRepetitive;
+  bool spherical = false;
   bool mixed_pixels = false;
   double drops_per_m = 0.0;
   std::optional<double> range_noise_m = std::nullopt;  // in place of the model's

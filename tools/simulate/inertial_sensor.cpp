@@ -61,7 +61,7 @@ Eigen::Vector3d InertialSensor::triple(std::uint64_t stream, double sigma) const
 }
 
 bool InertialSensor::next(double& t_s, InertialReading& reading) {
-  t_s = static_cast<double>(index_) / rate_hz_;
+  t_s = next_s();
   if (t_s > motion_.duration_s()) {
     return false;
   }

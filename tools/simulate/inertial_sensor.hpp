@@ -47,6 +47,9 @@ class InertialSensor {
   InertialSensor(const Motion& motion, const geometry::Se3& T_base_imu, double rate_hz, const InertialErrors& errors,
                  std::uint64_t seed);
 
+  /// When the next sample is due.
+  double next_s() const { return static_cast<double>(index_) / rate_hz_; }
+
   /// Returns false after the end of the drive.
   bool next(double& t_s, InertialReading& reading);
 

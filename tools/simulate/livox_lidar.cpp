@@ -22,28 +22,53 @@ std::uint8_t tag_of(const Echo& echo, std::size_t number) {
   return static_cast<std::uint8_t>((number + 1) << 4 | air << 2 | drag);
 }
 
-void store_point(std::span<std::byte> bytes, std::size_t at, const Echo& echo, const Eigen::Vector3d& d_lidar,
-                 std::size_t number) {
+/// Reflectivity and tag.
+void store_rest(std::span<std::byte> bytes, std::size_t at, const Echo& echo, std::size_t number) {
+  store_le(bytes, at,
+           static_cast<std::uint8_t>(std::clamp(150.0 * static_cast<double>(echo.reflectivity), 1.0, 150.0)));
+  store_le(bytes, at + 1, tag_of(echo, number));
+}
+
+void store_cartesian(std::span<std::byte> bytes, const Echo& echo, const Eigen::Vector3d& d_lidar, std::size_t number) {
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    store_le(bytes, at + 4 * axis,
+    store_le(bytes, 4 * axis,
              static_cast<std::int32_t>(std::lround(1e3 * echo.range_m * d_lidar[static_cast<int>(axis)])));
   }
-  store_le(bytes, at + 12,
-           static_cast<std::uint8_t>(std::clamp(150.0 * static_cast<double>(echo.reflectivity), 1.0, 150.0)));
-  store_le(bytes, at + 13, tag_of(echo, number));
+  store_rest(bytes, 12, echo, number);
+}
+
+/// From +z, and from +x towards +y.
+void store_angles(std::span<std::byte> bytes, std::size_t at, const Eigen::Vector3d& d_lidar) {
+  constexpr double kCentidegree = M_PI / 18000.0;
+  const double zenith = std::acos(std::clamp(d_lidar.z(), -1.0, 1.0)) / kCentidegree;
+  const double azimuth = std::atan2(d_lidar.y(), d_lidar.x()) / kCentidegree;
+  store_le(bytes, at, static_cast<std::uint16_t>(std::lround(zenith)));
+  store_le(bytes, at + 2, static_cast<std::uint16_t>(std::lround(azimuth < 0.0 ? azimuth + 36000.0 : azimuth)));
+}
+
+void store_depth(std::span<std::byte> bytes, std::size_t at, const Echo& echo) {
+  store_le(bytes, at, static_cast<std::uint32_t>(std::max(1L, std::lround(1e3 * echo.range_m))));
+}
+
+/// The prisms' phases at time 0. Those of the repetitive pattern are a moment of a level band.
+std::array<double, 3> phases_of(RisleyPattern pattern, const Noise& noise) {
+  const double first = noise.uniform(1, 0.0, 2.0 * M_PI);
+  if (pattern == RisleyPattern::kRepetitive) {
+    return {-first, first, 3.0 * first};
+  }
+  return {first, noise.uniform(2, 0.0, 2.0 * M_PI), noise.uniform(3, 0.0, 2.0 * M_PI)};
 }
 
 }  // namespace
 
 LivoxLidar::LivoxLidar(const World& world, const Motion& motion, const geometry::Se3& T_base_lidar,
-                       const RangeErrors& errors, std::uint64_t seed, LivoxReturns returns)
+                       const RangeErrors& errors, std::uint64_t seed, const LivoxSettings& settings)
     : motion_(motion),
       T_base_lidar_(T_base_lidar),
       noise_(seed, 50),
       beam_(world, errors, noise_),
-      returns_(returns),
-      pattern_({noise_.uniform(1, 0.0, 2.0 * M_PI), noise_.uniform(2, 0.0, 2.0 * M_PI),
-                noise_.uniform(3, 0.0, 2.0 * M_PI)}) {
+      settings_(settings),
+      pattern_(phases_of(settings.pattern, noise_), settings.pattern) {
   for (std::uint64_t i = 0; i < 6; ++i) {
     line_bias_m_[i] = errors.beam_bias_m * noise_.normal(100 + i);
   }
@@ -63,10 +88,40 @@ SentPacket LivoxLidar::packet_with_header(double t_s, std::uint8_t data_type, st
   return packet;
 }
 
+std::uint8_t LivoxLidar::data_type() const {
+  const std::uint8_t cartesian = echoes() == 1 ? 2 : echoes() == 2 ? 4 : 7;
+  return settings_.spherical ? cartesian + 1 : cartesian;
+}
+
+std::size_t LivoxLidar::firing_bytes() const {
+  if (!settings_.spherical) {
+    return kPointBytes * echoes();
+  }
+  return 4 + 6 * echoes();
+}
+
+/// A lone spherical return has its depth in front of the angles; several have the angles in front of all.
+void LivoxLidar::store(std::span<std::byte> firing, const Echoes& found, const Eigen::Vector3d& d_lidar) const {
+  if (settings_.spherical) {
+    store_angles(firing, echoes() == 1 ? 4 : 0, d_lidar);
+  }
+  for (std::size_t i = 0; i < std::min<std::size_t>(echoes(), static_cast<std::size_t>(found.count)); ++i) {
+    const Echo& echo = settings_.returns == LivoxReturns::kStrongest ? *found.strongest() : found.echo[i];
+    if (!settings_.spherical) {
+      store_cartesian(firing.subspan(kPointBytes * i), echo, d_lidar, i);
+    } else if (echoes() == 1) {
+      store_depth(firing, 0, echo);
+      store_rest(firing, 8, echo, i);
+    } else {
+      store_depth(firing, 4 + 6 * i, echo);
+      store_rest(firing, 8 + 6 * i, echo, i);
+    }
+  }
+}
+
 SentPacket LivoxLidar::point_packet(std::uint64_t index) const {
   const double begin_s = static_cast<double>(index) * packet_s();
-  const std::uint8_t type = echoes() == 1 ? 2 : echoes() == 2 ? 4 : 7;
-  SentPacket packet = packet_with_header(begin_s, type, shots() * echoes() * kPointBytes);
+  SentPacket packet = packet_with_header(begin_s, data_type(), shots() * firing_bytes());
   packet.sent_s = begin_s + packet_s() + 1e-4 - 2e-5 * std::log(1.0 - noise_.uniform(index * 16 + 7));
   const std::span<std::byte> bytes(packet.payload);
   ShortMotion motion(motion_, begin_s);
@@ -83,14 +138,8 @@ SentPacket LivoxLidar::point_packet(std::uint64_t index) const {
     const std::uint64_t shot = index * shots() + static_cast<std::uint64_t>(firing);
     const Echoes found =
         beam_.shoot(T_world_lidar.translation(), T_world_lidar.rotation() * d_lidar, t_s, shot, line_bias_m_[line]);
-    const std::size_t at = kHeaderBytes + kPointBytes * echoes() * static_cast<std::size_t>(firing);
-    if (returns_ == LivoxReturns::kStrongest && found.count > 0) {
-      store_point(bytes, at, *found.strongest(), d_lidar, 0);
-      continue;
-    }
-    for (std::size_t i = 0; i < std::min<std::size_t>(echoes(), static_cast<std::size_t>(found.count)); ++i) {
-      store_point(bytes, at + kPointBytes * i, found.echo[i], d_lidar, i);
-    }
+    store(bytes.subspan(kHeaderBytes + firing_bytes() * static_cast<std::size_t>(firing), firing_bytes()), found,
+          d_lidar);
   }
   return packet;
 }

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <span>
+
 #include "tools/simulate/beam.hpp"
 #include "tools/simulate/inertial_sensor.hpp"
 #include "tools/simulate/motion.hpp"
@@ -11,12 +13,19 @@ namespace slamd::simulate {
 /// Which echoes an Avia sends.
 enum class LivoxReturns { kFirst, kStrongest, kDual, kTriple };
 
-/// A Livox Avia: SDK1 packets of cartesian points (data types 2, 4 and 7), each shot cast at its own time; and its own
-/// inertial sensor in packets of type 6. Its clock counts from power-up.
+/// What an Avia is set to.
+struct LivoxSettings {
+  LivoxReturns returns = LivoxReturns::kFirst;
+  RisleyPattern pattern = RisleyPattern::kNonRepetitive;
+  bool spherical = false;  // depth and angles of 0.01° in place of x, y, z
+};
+
+/// A Livox Avia: SDK1 packets of cartesian points (data types 2, 4 and 7) or spherical ones (3, 5 and 8), each shot cast
+/// at its own time; and its own inertial sensor in packets of type 6. Its clock counts from power-up.
 class LivoxLidar : public PacketMaker {
  public:
   LivoxLidar(const World& world, const Motion& motion, const geometry::Se3& T_base_lidar, const RangeErrors& errors,
-             std::uint64_t seed, LivoxReturns returns = LivoxReturns::kFirst);
+             std::uint64_t seed, const LivoxSettings& settings = {});
 
   static constexpr double kFirings_hz = 240'000.0;
   static constexpr std::uint64_t kPowerUp_ns = 47'123'456'789;  // before the drive began
@@ -38,15 +47,18 @@ class LivoxLidar : public PacketMaker {
 
  private:
   std::uint64_t echoes() const {
-    return returns_ == LivoxReturns::kTriple ? 3 : returns_ == LivoxReturns::kDual ? 2 : 1;
+    return settings_.returns == LivoxReturns::kTriple ? 3 : settings_.returns == LivoxReturns::kDual ? 2 : 1;
   }
+  std::uint8_t data_type() const;
+  std::size_t firing_bytes() const;
+  void store(std::span<std::byte> firing, const Echoes& found, const Eigen::Vector3d& d_lidar) const;
   SentPacket packet_with_header(double t_s, std::uint8_t data_type, std::size_t bytes) const;
 
   const Motion& motion_;
   geometry::Se3 T_base_lidar_;
   Noise noise_;
   Beam beam_;
-  LivoxReturns returns_;
+  LivoxSettings settings_;
   Risley pattern_;
   double line_bias_m_[6];
 };

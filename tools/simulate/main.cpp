@@ -6,6 +6,7 @@
 #include <CLI/CLI.hpp>
 
 #include "tools/cli/cli.hpp"
+#include "tools/cli/interrupts.hpp"
 #include "tools/replay/session.hpp"
 #include "tools/simulate/fault_options.hpp"
 #include "tools/simulate/options.hpp"
@@ -59,8 +60,30 @@ int run_replay(const simulate::Drive& drive, const std::string& out) {
   return 0;
 }
 
+/// Drives by commands; ends well when the user ends it.
+int run_drive(const simulate::Drive& drive, const simulate::Options& options) {
+  const simulate::LiveOptions live = live_options_of(options);
+  if (!options.out.empty()) {
+    make_directory(options.out, options.force);
+  }
+  cli::catch_interrupts();
+  replay::ask_for_punctuality();
+  replay::MonotonicSendClock clock;
+  simulate::LiveReport report;
+  {
+    cli::Progress progress("driving");
+    report = simulate::drive_live(drive, live, clock, cli::is_interrupted, [&](double share) { progress.show(share); },
+                                  [&](const std::string& text) { progress.say("slamd-simulate: " + text); });
+  }
+  std::fputs((options.json ? json_of(report) : summary_of(report)).c_str(), stdout);
+  return 0;
+}
+
 int run_simulation(const simulate::Options& options) {
   const simulate::Drive drive = drive_of(options);
+  if (drive.driven) {
+    return run_drive(drive, options);
+  }
   if (!options.preview.empty()) {
     write_preview(drive, options.preview);
     if (options.out.empty()) {

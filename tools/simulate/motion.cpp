@@ -40,6 +40,14 @@ void Motion::vibrate(const Vibration& vibration, std::vector<double> strength) {
   strength_.resize(points_.size(), 0.0);
 }
 
+void Motion::append(const Channels& control_point, double strength) {
+  points_.push_back(control_point);
+  if (!strength_.empty()) {
+    strength_.push_back(strength);
+  }
+  duration_s_ = knot_s_ * (static_cast<double>(points_.size()) - 6.0);
+}
+
 void Motion::evaluate(double t_s, int derivatives, Channels (&out)[3]) const {
   const double clamped = std::clamp(t_s, 0.0, duration_s_);
   const double place = clamped / knot_s_;

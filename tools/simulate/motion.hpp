@@ -32,11 +32,18 @@ class Motion {
  public:
   using Channels = std::array<double, 6>;  // x, y, z, yaw, pitch, roll
 
+  /// Time between the control points of vehicles.
+  static constexpr double kKnot_s = 0.05;
+
   /// Control points, one each `knot_s` seconds; the first and the last should stand still.
   Motion(std::vector<Channels> control_points, double knot_s);
 
   /// Adds a vibration of varying strength: `strength` has a control point for each of the motion.
   void vibrate(const Vibration& vibration, std::vector<double> strength);
+
+  /// Goes on to another control point, with its strength of vibration; nobody may look at the motion meanwhile.
+  /// What it was up to its old duration stays as it is.
+  void append(const Channels& control_point, double strength);
 
   /// Valid from 0 to duration_s.
   MotionState at(double t_s) const;

@@ -5,6 +5,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "daemon/bus/channels.hpp"
 #include "drivers/recording/packet.hpp"
 #include "tools/cli/cli.hpp"
 
@@ -15,6 +16,7 @@ namespace {
 constexpr const char* kPlace = "World and tour";
 constexpr const char* kSensors = "Sensors";
 constexpr const char* kOutput = "Output";
+constexpr const char* kLive = "Live";
 
 /// Reads corners "x,y" a line (m); closes the tour.
 std::vector<Eigen::Vector2d> read_waypoints(const std::string& file) {
@@ -114,6 +116,12 @@ void declare(CLI::App& app, Options& options) {
   app.add_option("--returns", options.returns, "strongest, dual; Avia: first, strongest, dual, triple")
       ->check(CLI::IsMember({"first", "strongest", "dual", "triple"}))
       ->group(kSensors);
+  app.add_option("--scan-pattern", options.pattern, "Avia: non_repetitive, or a repeated band of 70° × 4.5°")
+      ->check(CLI::IsMember({"non_repetitive", "repetitive"}))
+      ->group(kSensors);
+  app.add_option("--coordinates", options.coordinates, "Avia: of the points in its packets")
+      ->check(CLI::IsMember({"cartesian", "spherical"}))
+      ->group(kSensors);
   app.add_option("--range-noise", options.range_noise_m, "In place of the model's, 1σ, m")
       ->check(CLI::Range(0.0, 1.0))
       ->group(kSensors);
@@ -132,7 +140,40 @@ void declare(CLI::App& app, Options& options) {
       ->group(kSensors);
   app.add_flag("--perfect-imu", options.perfect_imu, "Inertial sensors without any error")->group(kSensors);
   app.add_flag("--no-sky", options.covered, "GNSS never has a fix")->group(kSensors);
+  CLI::Option* const live =
+      app.add_option("--drive", options.drive_to,
+                     "HOST[:DATA_PORT[:POSITION_PORT]]: drive a skid-steered vehicle by velocity commands from LCM in real "
+                     "time, and send its packets there; --out is then optional")
+          ->excludes("--vehicle", "--waypoints", "--replay", "--preview")
+          ->group(kLive);
+  app.add_option("--imu-to", options.imu_to, "Where inertial samples go, udp:HOST:PORT or pty:LINKPATH")
+      ->needs(live)
+      ->group(kLive);
+  app.add_option("--url", options.lcm_url, "LCM's, for commands and truth")
+      ->default_str(std::string(bus::kDefaultUrl))
+      ->needs(live)
+      ->group(kLive);
+  app.add_option("--prefix", options.lcm_prefix, "Of the channels")
+      ->default_str(std::string(bus::kDefaultPrefix))
+      ->needs(live)
+      ->group(kLive);
+  app.add_flag("--json", options.json, "Print the counts as JSON")->needs(live)->group(kLive);
   declare(app, options.faults, "Faults of what the sensors send, told in faults.json");
+}
+
+LiveOptions live_options_of(const Options& options) {
+  LiveOptions live;
+  replay::parse_destination("--drive", options.drive_to, live.target);
+  if (!options.imu_to.empty()) {
+    replay::parse_imu_destination(options.imu_to, live.target);
+  }
+  live.lcm_url = options.lcm_url.empty() ? std::string(bus::kDefaultUrl) : options.lcm_url;
+  live.lcm_prefix = options.lcm_prefix.empty() ? std::string(bus::kDefaultPrefix) : options.lcm_prefix;
+  if (!bus::is_prefix(live.lcm_prefix)) {
+    throw cli::UsageError("--prefix: 1 to 40 letters, digits, '_' and '-'");
+  }
+  live.directory = options.out;
+  return live;
 }
 
 Drive drive_of(const Options& options) {
@@ -149,6 +190,12 @@ Drive drive_of(const Options& options) {
       (drive.lidar == LidarKind::kLivoxMid360 && options.returns == "dual")) {
     throw cli::UsageError("--returns " + options.returns + ": " + options.lidar + " has no such mode");
   }
+  if (!avia && !(options.pattern.empty() && options.coordinates.empty())) {
+    throw cli::UsageError("--scan-pattern and --coordinates: " + options.lidar + " has no such setting");
+  }
+  drive.pattern =
+      options.pattern == "repetitive" ? RisleyPattern::kRepetitive : RisleyPattern::kNonRepetitive;
+  drive.spherical = options.coordinates == "spherical";
   drive.dual = !avia && options.returns == "dual";
   drive.returns = options.returns == "triple"      ? LivoxReturns::kTriple
                   : options.returns == "dual"      ? LivoxReturns::kDual
@@ -167,6 +214,10 @@ Drive drive_of(const Options& options) {
   // There is no sky over these.
   drive.gnss_errors.covered =
       options.covered || drive.world == "indoor" || drive.world == "tunnel" || drive.world == "warehouse";
+  drive.driven = !options.drive_to.empty();
+  if (drive.driven) {
+    drive.vehicle = VehicleKind::kSkidSteer;
+  }
   drive.mesh = options.mesh;
   if (asks_for_any(options.faults)) {
     drive.faults = faults_of(options.faults, drive.seed);

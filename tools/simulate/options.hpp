@@ -4,6 +4,7 @@
 
 #include "tools/simulate/drive.hpp"
 #include "tools/simulate/fault_options.hpp"
+#include "tools/simulate/live_drive.hpp"
 
 namespace CLI {
 class App;
@@ -21,6 +22,8 @@ struct Options {
   std::string lidar = "vlp16";
   std::string vehicle = "ackermann";
   std::string returns;
+  std::string pattern;
+  std::string coordinates;
   std::string waypoints;
   std::string mesh;
   double turn_rate_degps = 120.0;
@@ -29,6 +32,11 @@ struct Options {
   bool perfect_imu = false;
   bool covered = false;
   FaultOptions faults;
+  std::string drive_to;  // --drive
+  std::string imu_to;
+  std::string lcm_url;
+  std::string lcm_prefix;
+  bool json = false;
 };
 
 /// Declares the options of a simulation.
@@ -36,5 +44,8 @@ void declare(CLI::App& app, Options& options);
 
 /// Returns the drive that the options describe. Errors: cli::UsageError, RecordingError.
 Drive drive_of(const Options& options);
+
+/// Returns where a live drive goes. Errors: cli::UsageError.
+LiveOptions live_options_of(const Options& options);
 
 }  // namespace slamd::simulate

@@ -10,11 +10,12 @@ namespace {
 constexpr std::uint64_t kBatch = 512;
 constexpr double kOwnImu_hz = 200.0;
 constexpr std::uint64_t kOwnImuSeed = 1'000'003;  // another sensor, other errors
+constexpr double kImuLag_s = 1.2e-4;               // from an inertial sample to its packet
 
 }  // namespace
 
-PacketStream::PacketStream(const Scene& scene)
-    : scene_(scene), count_(scene.packets()), next_position_(SpinningLidar::kPositionEvery) {
+PacketStream::PacketStream(const Scene& scene, Drive drive)
+    : scene_(scene), drive_(drive), count_(scene.packets()), next_position_(SpinningLidar::kPositionEvery) {
   const geometry::Se3& T_base_lidar = scene.mounting().T_base_lidar;
   if (scene.spinning() == nullptr) {
     const geometry::Se3 T_lidar_imu = scene.avia() != nullptr ? LivoxLidar::T_lidar_imu() : Mid360Lidar::T_lidar_imu();
@@ -27,10 +28,13 @@ PacketStream::PacketStream(const Scene& scene)
 void PacketStream::prepare_extra() {
   extra_.reset();
   if (scene_.spinning() != nullptr) {
-    if (next_position_ < count_) {
+    if (next_position_ < count_ || (drive_ == Drive::kGrowing && next_position_ == count_)) {
       extra_ = scene_.spinning()->position_packet(next_position_);
       next_position_ += SpinningLidar::kPositionEvery;
     }
+    return;
+  }
+  if (drive_ == Drive::kGrowing && own_imu_->next_s() > scene_.known_s()) {
     return;
   }
   double t_s = 0.0;
@@ -66,13 +70,26 @@ void PacketStream::cast_batch() {
   std::stable_sort(batch_.begin(), batch_.end(),
                    [](const SentPacket& a, const SentPacket& b) { return a.sent_s < b.sent_s; });
   // The next batch's first packet is sent when its last firing is done, at the earliest.
-  const double earliest_s = static_cast<double>(next_index_ + 1) * scene_.lidar().packet_s();
+  double earliest_s = static_cast<double>(next_index_ + 1) * scene_.lidar().packet_s();
+  if (drive_ == Drive::kGrowing && own_imu_) {
+    earliest_s = std::min(earliest_s, scene_.known_s() + kImuLag_s);
+  }
   const auto later =
       std::partition_point(batch_.begin(), batch_.end(), [&](const SentPacket& p) { return p.sent_s < earliest_s; });
-  due_ = next_index_ == count_ ? batch_.size() : static_cast<std::size_t>(later - batch_.begin());
+  const bool all = drive_ == Drive::kWhole && next_index_ == count_;
+  due_ = all ? batch_.size() : static_cast<std::size_t>(later - batch_.begin());
+}
+
+/// Sees whether the drive has grown.
+void PacketStream::take_in() {
+  count_ = scene_.packets();
+  if (!extra_) {
+    prepare_extra();
+  }
 }
 
 bool PacketStream::next(const SentPacket*& packet) {
+  take_in();
   while (given_ == due_ && next_index_ < count_) {
     cast_batch();
   }

@@ -11,9 +11,12 @@ namespace slamd::simulate {
 /// Points are cast in batches by several threads; the bytes are the same for any number of them.
 class PacketStream {
  public:
-  explicit PacketStream(const Scene& scene);
+  enum class Drive { kWhole, kGrowing };
 
-  /// Gives the next packet; false at the end. The packet is valid until the next call.
+  /// A growing drive has no end: next() gives what is certain by what there is of its motion.
+  explicit PacketStream(const Scene& scene, Drive drive = Drive::kWhole);
+
+  /// Gives the next packet; false when there is none, at the end or for now. The packet is valid until the next call.
   bool next(const SentPacket*& packet);
 
   /// The share of the drive that was cast.
@@ -22,8 +25,10 @@ class PacketStream {
  private:
   void cast_batch();
   void prepare_extra();
+  void take_in();
 
   const Scene& scene_;
+  Drive drive_;
   std::uint64_t count_;
   std::uint64_t next_index_ = 0;       // of the point packet to be cast
   std::vector<SentPacket> batch_;      // cast and not yet given out, by time from given_ on

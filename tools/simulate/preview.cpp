@@ -19,6 +19,8 @@ constexpr std::uint8_t kDeep = 3;  // water, pits
 constexpr std::uint8_t kFirstHeight = 4;
 constexpr std::uint8_t kFirstGrey = kFirstHeight + kHeights * kShades;
 constexpr double kEyes_m = 1.6;
+constexpr double kNear_m = 1.5;  // what is nearer hides the rest
+constexpr int kEdgeCounts = 3;  // as much as so many rays on surfaces
 constexpr double kHeadroom_m = 2.2;  // what lies higher is roof
 constexpr std::uint64_t kRays = 1ULL << 40;  // numbers that no LiDAR uses
 
@@ -154,9 +156,12 @@ void draw_scan(const Scene& scene, const Plan& plan, double t_s, plot::IndexedIm
   }
 }
 
+/// Where somebody is who walks behind the vehicle.
+geometry::Se3 behind(const Scene& scene, double t_s) { return scene.motion().pose_at(std::max(0.0, t_s - 2.0)); }
+
 /// What somebody sees who walks behind the vehicle.
 void draw_view(const Scene& scene, std::size_t top, double t_s, plot::IndexedImage& image) {
-  const geometry::Se3 T = scene.motion().pose_at(std::max(0.0, t_s - 2.0));
+  const geometry::Se3 T = behind(scene, t_s);
   const Eigen::Vector3d ahead = (T.rotation().col(0) - 0.1 * Eigen::Vector3d::UnitZ()).normalized();
   const Eigen::Vector3d right = ahead.cross(Eigen::Vector3d::UnitZ()).normalized();
   const Eigen::Vector3d up = right.cross(ahead);
@@ -180,14 +185,15 @@ void draw_view(const Scene& scene, std::size_t top, double t_s, plot::IndexedIma
   }
 }
 
-/// The moment at which most is to be seen ahead.
+/// The moment at which most is to be seen ahead: surfaces that are not too near, and edges.
 double best_moment_s(const Scene& scene) {
   double best_s = 0.0;
   int most = -1;
   for (int i = 1; i < 20; ++i) {
     const double t_s = scene.motion().duration_s() * i / 20.0;
-    const geometry::Se3 T = scene.motion().pose_at(t_s);
+    const geometry::Se3 T = behind(scene, t_s);
     int seen = 0;
+    double beside_m = 0.0;
     for (int ray = 0; ray < 400; ++ray) {
       const double azimuth = (ray % 40 - 19.5) / 19.5 * 0.75;
       const double elevation = (ray / 40 - 1) * 0.04;
@@ -196,7 +202,10 @@ double best_moment_s(const Scene& scene) {
           T.rotation() * Eigen::Vector3d(std::cos(elevation) * std::cos(azimuth),
                                          std::cos(elevation) * std::sin(azimuth), std::sin(elevation));
       const bool met = scene.world().cast(T.translation() + Eigen::Vector3d(0.0, 0.0, 1.0), d, 70.0, kRays, hit, t_s);
-      seen += met && hit.range_m > 4.0 ? 1 : 0;
+      const double range_m = met ? hit.range_m : 70.0;
+      seen += met && hit.range_m > kNear_m ? 1 : 0;
+      seen += ray % 40 != 0 && std::abs(range_m - beside_m) > 0.7 ? kEdgeCounts : 0;
+      beside_m = range_m;
     }
     if (seen > most) {
       most = seen;

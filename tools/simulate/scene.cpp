@@ -2,6 +2,8 @@
 
 #include <cstdlib>
 
+#include "tools/simulate/driven_vehicle.hpp"
+
 namespace slamd::simulate {
 
 namespace {
@@ -24,14 +26,24 @@ double through_text(double value, const char* format) {
   return std::strtod(text, nullptr);
 }
 
-Ride ride_of(const Drive& drive) {
-  return {drive.vehicle,         drive.duration_s,     drive.speed_mps,     drive.rest_s, base_height_m(drive.vehicle),
-          drive.turn_rate_radps, drive.bumps_per_100m, drive.vibration_mps2};
+Motion motion_of(const Scenery& scenery, const Drive& drive) {
+  const Ride ride = ride_of(drive);
+  if (!drive.driven) {
+    return simulate::drive(scenery.route(), ride, drive.seed);
+  }
+  const Place start = start_of(scenery.route(), ride, drive.seed);
+  Body body(scenery.route(), ride, drive.seed);
+  return standing(body.next(start.position_m, start.yaw_rad, 0.0, 0.0), ride, drive.seed);
 }
 
 }  // namespace
 
 Stamp stamp_at(double t_s) { return Stamp{} + std::chrono::seconds(kStart_unix_s) + from_seconds(t_s); }
+
+Ride ride_of(const Drive& drive) {
+  return {drive.vehicle,         drive.duration_s,     drive.speed_mps,     drive.rest_s, base_height_m(drive.vehicle),
+          drive.turn_rate_radps, drive.bumps_per_100m, drive.vibration_mps2};
+}
 
 recording::Packet packet_of(const SentPacket& sent) {
   return {stamp_at(sent.sent_s), sent.source_address, sent.source_port, sent.destination_port, sent.payload};
@@ -51,12 +63,13 @@ Scene::Scene(const Drive& drive)
     : drive_(drive),
       mounting_(mounting_of(drive.lidar)),
       scenery_(scenery_of(drive)),
-      motion_(std::make_unique<Motion>(simulate::drive(scenery_->route(), ride_of(drive), drive.seed))) {
+      motion_(std::make_unique<Motion>(motion_of(*scenery_, drive))) {
   const RangeErrors errors = range_errors_of(drive);
   SpinningSettings settings{SpinningKind::kVlp16, drive.dual, kHourOffset_s, kStart_unix_s};
   switch (drive.lidar) {
     case LidarKind::kLivoxAvia:
-      avia_.emplace(world(), motion(), mounting_.T_base_lidar, errors, drive.seed, drive.returns);
+      avia_.emplace(world(), motion(), mounting_.T_base_lidar, errors, drive.seed,
+                    LivoxSettings{drive.returns, drive.pattern, drive.spherical});
       return;
     case LidarKind::kLivoxMid360:
       mid360_.emplace(world(), motion(), mounting_.T_base_lidar, errors, drive.seed);

@@ -33,6 +33,9 @@ recording::Packet packet_of(const SentPacket& sent);
 /// A reading with the decimals that imu.csv has.
 sensor::ImuSample written_sample(double t_s, const InertialReading& reading);
 
+/// How a drive is ridden.
+Ride ride_of(const Drive& drive);
+
 /// A drive that can be looked at: its world, its motion and its LiDAR.
 class Scene {
  public:
@@ -42,6 +45,12 @@ class Scene {
   const World& world() const { return scenery_->world(); }
   const Route& route() const { return scenery_->route(); }
   const Motion& motion() const { return *motion_; }
+  /// Lets a driven drive go on; nobody may look at it meanwhile.
+  void extend(const Motion::Channels& control_point, double strength) { motion_->append(control_point, strength); }
+
+  /// Up to when the sensors know the motion as it will stay.
+  double known_s() const { return motion_->duration_s() - (drive_.driven ? 1e-3 : 0.0); }
+
   const Mounting& mounting() const { return mounting_; }
   const PacketMaker& lidar() const;
 

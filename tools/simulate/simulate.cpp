@@ -29,26 +29,14 @@ void write_text(const std::string& text, const fs::path& file) {
 }
 
 void write_imu(const Scene& scene, FaultInjector* injector, const fs::path& file) {
-  TextFile out(file);
-  std::fprintf(out.stream(), "timestamp_ns,gx_rad_s,gy_rad_s,gz_rad_s,ax_m_s2,ay_m_s2,az_m_s2,temp_c\n");
+  ImuFile out(file);
   InertialSensor sensor = scene.imu();
   double t_s = 0.0;
   for (InertialReading reading; sensor.next(t_s, reading);) {
     sensor::ImuSample sample = written_sample(t_s, reading);
-    if (injector != nullptr && !injector->pass(sample)) {
-      continue;
+    if (injector == nullptr || injector->pass(sample)) {
+      out.write(sample, reading.temp_c);
     }
-    std::fprintf(out.stream(), "%lld", static_cast<long long>(sample.stamp.time_since_epoch().count()));
-    const auto write = [&](const Eigen::Vector3d& v, const char* format) {
-      for (int axis = 0; axis < 3; ++axis) {
-        char text[48];
-        std::snprintf(text, sizeof text, format, v[axis]);
-        std::fprintf(out.stream(), ",%s", text);
-      }
-    };
-    write(sample.angular_rate_radps, kRateFormat);
-    write(sample.specific_force_mps2, kForceFormat);
-    std::fprintf(out.stream(), ",%.2f\n", reading.temp_c);
   }
   out.close();
 }
@@ -116,6 +104,42 @@ std::uint64_t write_packets(const Scene& scene, FaultInjector* injector, const f
 
 }  // namespace
 
+ImuFile::ImuFile(const fs::path& file) : out_(file) {
+  std::fprintf(out_.stream(), "timestamp_ns,gx_rad_s,gy_rad_s,gz_rad_s,ax_m_s2,ay_m_s2,az_m_s2,temp_c\n");
+}
+
+void ImuFile::write(const sensor::ImuSample& sample, double temp_c) {
+  std::fprintf(out_.stream(), "%lld", static_cast<long long>(sample.stamp.time_since_epoch().count()));
+  const auto write = [&](const Eigen::Vector3d& v, const char* format) {
+    for (int axis = 0; axis < 3; ++axis) {
+      char text[48];
+      std::snprintf(text, sizeof text, format, v[axis]);
+      std::fprintf(out_.stream(), ",%s", text);
+    }
+  };
+  write(sample.angular_rate_radps, kRateFormat);
+  write(sample.specific_force_mps2, kForceFormat);
+  std::fprintf(out_.stream(), ",%.2f\n", temp_c);
+}
+
+void write_parameters(const Drive& drive, const fs::path& directory) {
+  write_text(recording_toml(drive), directory / "recording.toml");
+  write_text(parameters_json(drive), directory / "simulation.json");
+}
+
+void write_surroundings(const Scene& scene, const fs::path& directory) {
+  write_truth(scene.motion(), directory / "truth.tum");
+  write_loops(true_loops(scene.motion()), directory / "loops.csv");
+  write_wheels(scene, directory / "odom.csv");
+  write_gnss(scene, directory / "gnss.csv");
+  if (scene.drive().map) {
+    write_map(scene, directory / "true_map.ply");
+  }
+  if (scene.drive().localisability) {
+    write_localisability(scene, directory / "localisability.csv");
+  }
+}
+
 Summary simulate(const Drive& drive, const fs::path& directory, const std::function<void(double)>& progress) {
   const Scene scene(drive);
   std::optional<FaultInjector> injector;
@@ -123,19 +147,9 @@ Summary simulate(const Drive& drive, const fs::path& directory, const std::funct
     injector.emplace(*drive.faults, std::ceil(scene.motion().duration_s()));
   }
   FaultInjector* const faulty = injector ? &*injector : nullptr;
-  write_truth(scene.motion(), directory / "truth.tum");
-  write_loops(true_loops(scene.motion()), directory / "loops.csv");
+  write_parameters(drive, directory);
+  write_surroundings(scene, directory);
   write_imu(scene, faulty, directory / "imu.csv");
-  write_wheels(scene, directory / "odom.csv");
-  write_gnss(scene, directory / "gnss.csv");
-  write_text(recording_toml(drive), directory / "recording.toml");
-  write_text(parameters_json(drive), directory / "simulation.json");
-  if (drive.map) {
-    write_map(scene, directory / "true_map.ply");
-  }
-  if (drive.localisability) {
-    write_localisability(scene, directory / "localisability.csv");
-  }
   Summary summary;
   summary.path_m = scene.path_m();
   summary.packets = write_packets(scene, faulty, directory / "lidar.pcap", progress);

@@ -6,7 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "tools/simulate/drive.hpp"
+#include "tools/simulate/scene.hpp"
+#include "tools/simulate/text_file.hpp"
 
 namespace slamd::simulate {
 
@@ -24,5 +25,25 @@ struct Summary {
 /// Errors: RecordingError, std::runtime_error.
 Summary simulate(const Drive& drive, const std::filesystem::path& directory,
                  const std::function<void(double)>& progress);
+
+// What a drive that is simulated otherwise shares with it.
+
+/// imu.csv. Errors: RecordingError.
+class ImuFile {
+ public:
+  explicit ImuFile(const std::filesystem::path& file);
+
+  void write(const sensor::ImuSample& sample, double temp_c);
+  void close() { out_.close(); }
+
+ private:
+  TextFile out_;
+};
+
+/// Writes recording.toml and simulation.json.
+void write_parameters(const Drive& drive, const std::filesystem::path& directory);
+
+/// Writes what follows from the motion alone: truth.tum, loops.csv, odom.csv, gnss.csv, perhaps true_map.ply.
+void write_surroundings(const Scene& scene, const std::filesystem::path& directory);
 
 }  // namespace slamd::simulate

@@ -9,7 +9,7 @@ namespace slamd::simulate {
 
 namespace {
 
-constexpr double kKnot_s = 0.05;
+constexpr double kKnot_s = Motion::kKnot_s;
 constexpr double kBraking_mps2 = 0.8;
 constexpr double kInBends_radps = 0.9;
 constexpr double kTurning_radps2 = 4.0;
@@ -138,35 +138,37 @@ Vibration vibration_of(double acceleration_mps2, const Noise& noise) {
 
 }  // namespace
 
+double shake_of(double speed_mps) { return std::min(1.0, speed_mps); }
+
+Motion::Channels Body::next(const Eigen::Vector2d& p, double yaw, double way_m, double speed_mps) {
+  const auto floor = [&](double ahead, double left) {
+    return route_.floor(p.x() + ahead * std::cos(yaw) - left * std::sin(yaw),
+                        p.y() + ahead * std::sin(yaw) + left * std::cos(yaw)) +
+           bump_m(way_m + ahead, bumps_per_100m_);
+  };
+  const double shake = shake_of(speed_mps);
+  const double slope_pitch = -(floor(0.4, 0.0) - floor(-0.4, 0.0)) / 0.8;
+  const double slope_roll = (floor(0.0, 0.3) - floor(0.0, -0.3)) / 0.6;
+  const double gain = number_ == 0 ? 1.0 : 0.2;
+  pitch_ += gain * (slope_pitch + 0.004 * shake * bumps_.normal(3 * number_) - pitch_);
+  roll_ += gain * (slope_roll + 0.004 * shake * bumps_.normal(3 * number_ + 1) - roll_);
+  const double z = floor(0.0, 0.0) + height_m_ + 0.002 * shake * bumps_.normal(3 * number_ + 2);
+  ++number_;
+  return {p.x(), p.y(), z, yaw, pitch_, roll_};
+}
+
 Motion drive(const Route& route, const Ride& ride, std::uint64_t seed) {
   const CentreLine line =
       centre_line(route, ride.duration_s * 1.2 * ride.speed_mps + 50.0, ride.vehicle == VehicleKind::kSkidSteer);
-  const Noise bumps(seed, 3);
   Driver driver(line, ride);
+  Body body(route, ride, seed);
   std::vector<Motion::Channels> points;
   std::vector<double> pace;
-  double pitch = 0.0;
-  double roll = 0.0;
   double walking = 0.0;
   for (int k = 0; k * kKnot_s < ride.duration_s + 10.0 * kKnot_s; ++k) {
     driver.advance(k * kKnot_s);
-    const Eigen::Vector2d p = driver.position();
-    const double yaw = driver.yaw();
-    const auto floor = [&](double ahead, double left) {
-      return route.floor(p.x() + ahead * std::cos(yaw) - left * std::sin(yaw),
-                         p.y() + ahead * std::sin(yaw) + left * std::cos(yaw)) +
-             bump_m(driver.s_m() + ahead, ride.bumps_per_100m);
-    };
-    // Suspension: the body follows the slope with a lag; the road shakes it a little while it moves.
-    const double shake = std::min(1.0, driver.speed());
-    const double slope_pitch = -(floor(0.4, 0.0) - floor(-0.4, 0.0)) / 0.8;
-    const double slope_roll = (floor(0.0, 0.3) - floor(0.0, -0.3)) / 0.6;
-    const auto number = static_cast<std::uint64_t>(k);
-    const double gain = k == 0 ? 1.0 : 0.2;
-    pitch += gain * (slope_pitch + 0.004 * shake * bumps.normal(3 * number) - pitch);
-    roll += gain * (slope_roll + 0.004 * shake * bumps.normal(3 * number + 1) - roll);
-    points.push_back({p.x(), p.y(), floor(0.0, 0.0) + ride.height_m + 0.002 * shake * bumps.normal(3 * number + 2), yaw,
-                      pitch, roll});
+    points.push_back(body.next(driver.position(), driver.yaw(), driver.s_m(), driver.speed()));
+    const double shake = shake_of(driver.speed());
     walking += 0.05 * (shake - walking);
     if (ride.vehicle == VehicleKind::kHandheld) {
       carry(points.back(), k * kKnot_s, walking);
@@ -176,6 +178,14 @@ Motion drive(const Route& route, const Ride& ride, std::uint64_t seed) {
   Motion motion(std::move(points), kKnot_s);
   if (ride.vibration_mps2 > 0.0) {
     motion.vibrate(vibration_of(ride.vibration_mps2, Noise(seed, 4)), std::move(pace));
+  }
+  return motion;
+}
+
+Motion standing(const Motion::Channels& there, const Ride& ride, std::uint64_t seed) {
+  Motion motion(std::vector<Motion::Channels>(6, there), kKnot_s);
+  if (ride.vibration_mps2 > 0.0) {
+    motion.vibrate(vibration_of(ride.vibration_mps2, Noise(seed, 4)), {});
   }
   return motion;
 }

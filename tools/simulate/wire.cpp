@@ -54,6 +54,26 @@ std::uint64_t block_cartesian(std::span<std::byte> payload, std::size_t header, 
   return blocked;
 }
 
+/// Firings of data types 3, 5 and 8: depth 0 is what an empty return has.
+std::uint64_t block_spherical(std::span<std::byte> payload, std::size_t echoes, const Sector& sector) {
+  const std::size_t firing_bytes = 4 + 6 * echoes;
+  std::uint64_t blocked = 0;
+  for (std::size_t at = kLivoxHeader; at + firing_bytes <= payload.size(); at += firing_bytes) {
+    const std::size_t azimuth_at = at + (echoes == 1 ? 6 : 2);
+    if (!sector.contains(0.01 * load_le<std::uint16_t>(payload, azimuth_at))) {
+      continue;
+    }
+    for (std::size_t echo = 0; echo < echoes; ++echo) {
+      const std::size_t depth_at = echoes == 1 ? at : at + 4 + 6 * echo;
+      const std::size_t rest_at = echoes == 1 ? at + 8 : depth_at + 4;
+      blocked += load_le<std::uint32_t>(payload, depth_at) != 0 ? 1 : 0;
+      store_le<std::uint32_t>(payload, depth_at, 0);
+      store_le<std::uint16_t>(payload, rest_at, 0);
+    }
+  }
+  return blocked;
+}
+
 }  // namespace
 
 const char* name_of(Wire wire) {
@@ -126,6 +146,14 @@ std::uint64_t block_sector(std::span<std::byte> payload, Wire wire, const Sector
                          (payload[9] == std::byte{2} || payload[9] == std::byte{4} || payload[9] == std::byte{7});
   if (cartesian) {
     return block_cartesian(payload, kLivoxHeader, sector);
+  }
+  if (wire == Wire::kLivoxPoints) {
+    switch (std::to_integer<int>(payload[9])) {
+      case 3: return block_spherical(payload, 1, sector);
+      case 5: return block_spherical(payload, 2, sector);
+      case 8: return block_spherical(payload, 3, sector);
+      default: return 0;
+    }
   }
   if (wire == Wire::kLivox2Points && payload[10] == std::byte{1}) {
     const std::uint64_t blocked = block_cartesian(payload, kLivox2Header, sector);

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <random>
 #include <vector>
 
@@ -294,6 +295,43 @@ TEST(Decoding, SurvivesWhateverStandsInAMessage) {
 
   EXPECT_GT(understood, 0);
   EXPECT_LT(understood, 6 * 3000);
+}
+
+TEST(Encoding, OfAVelocityCommandIsThisSequenceOfBytes) {
+  const auto message =
+      encoded(VelocityCommand{.stamp = Stamp(Duration(1'700'000'000'123'456'789)), .v_mps = 1.0, .w_radps = -0.5});
+
+  ASSERT_EQ(message.size(), 32U);
+  EXPECT_EQ(bytes_at(message, 8, 8), (Bytes{0x17, 0x97, 0x9C, 0xFE, 0x3D, 0x85, 0xCD, 0x15}));
+  EXPECT_EQ(bytes_at(message, 16, 8), (Bytes{0x3F, 0xF0, 0, 0, 0, 0, 0, 0}));
+  EXPECT_EQ(bytes_at(message, 24, 8), (Bytes{0xBF, 0xE0, 0, 0, 0, 0, 0, 0}));
+  EXPECT_EQ(decode_velocity_command(message).value().w_radps, -0.5);
+}
+
+TEST(Encoding, RefusesAVelocityThatIsNoNumber) {
+  EXPECT_FALSE(decode_velocity_command(encoded(VelocityCommand{.v_mps = std::nan("")})));
+  EXPECT_FALSE(decode_velocity_command(encoded(VelocityCommand{.w_radps = INFINITY})));
+  EXPECT_FALSE(decode_velocity_command(encoded(MapToOdom{})));
+}
+
+TEST(Encoding, GivesTheTruthBack) {
+  const Truth sent{.stamp = Stamp(Duration(5)),
+                   .T_world_base = geometry::Se3(Eigen::Quaterniond(0.6, 0.0, 0.0, 0.8), Eigen::Vector3d(1, 2, 3)),
+                   .v_world_base = {4, 5, 6},
+                   .rate_base_radps = {7, 8, 9},
+                   .collisions = 10};
+
+  const auto message = encoded(sent);
+  const auto again = decode_truth(message);
+
+  EXPECT_EQ(message.size(), 124U);
+  ASSERT_TRUE(again);
+  EXPECT_EQ(again->stamp, sent.stamp);
+  EXPECT_EQ(again->T_world_base.translation(), sent.T_world_base.translation());
+  EXPECT_LT((again->T_world_base.rotation() - sent.T_world_base.rotation()).norm(), 1e-12);
+  EXPECT_EQ(again->v_world_base, sent.v_world_base);
+  EXPECT_EQ(again->rate_base_radps, sent.rate_base_radps);
+  EXPECT_EQ(again->collisions, 10U);
 }
 
 TEST(Names, CountAsTheOdometrysDo) {

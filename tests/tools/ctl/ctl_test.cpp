@@ -80,6 +80,24 @@ TEST(Ask, SendsNoCommandThatCannotBeRight) {
   EXPECT_THROW(ask(connection, options), cli::UsageError);
 }
 
+TEST(Drive, RepeatsTheVelocityTenTimesASecondAndEndsWithAStop) {
+  bus::Connection connection("memq://");
+  std::vector<bus::VelocityCommand> heard;
+  connection.subscribe("ROBOT2_VELOCITY_COMMAND", [&](std::span<const std::byte> message) {
+    heard.push_back(bus::decode_velocity_command(message).value());
+  });
+  const auto listen = [&](std::chrono::milliseconds) { connection.wait(std::chrono::milliseconds(0)); };
+
+  drive(connection, "ROBOT2", {.v_mps = 0.5, .w_radps = -0.2}, 2.0, listen);
+  listen(std::chrono::milliseconds(0));
+
+  ASSERT_EQ(heard.size(), 21U);
+  EXPECT_EQ(heard.front().v_mps, 0.5);
+  EXPECT_EQ(heard[19].w_radps, -0.2);
+  EXPECT_EQ(heard.back().v_mps, 0.0);
+  EXPECT_GT(heard.back().stamp, Stamp{});
+}
+
 TEST(Printable, TakesAwayWhatMovesTheCursor) {
   EXPECT_EQ(printable("a\x1b[2Jb\nc"), "a [2Jb c");
 }

@@ -452,7 +452,7 @@ TEST(MonotonicSendClock, SleepsUntilItsDeadline) {
 TEST(Destination, ReadsHostAndPorts) {
   ToNetworkOptions sut;
 
-  parse_destination("10.1.2.3:4000:5000", sut);
+  parse_destination("--to-network", "10.1.2.3:4000:5000", sut);
   parse_imu_destination("udp:localhost:7501", sut);
   EXPECT_EQ(sut.address, 0x0A010203U);
   EXPECT_EQ(sut.data_port, 4000);
@@ -460,7 +460,7 @@ TEST(Destination, ReadsHostAndPorts) {
   EXPECT_EQ(sut.imu_address, kLoopback);
   EXPECT_EQ(sut.imu_port, 7501);
 
-  parse_destination("10.1.2.3", sut);
+  parse_destination("--to-network", "10.1.2.3", sut);
   parse_imu_destination("pty:/run/a:b", sut);
   EXPECT_EQ(sut.data_port, 0);
   EXPECT_EQ(sut.position_port, 0);
@@ -471,7 +471,7 @@ TEST(Destination, RefusesWhatIsNone) {
   ToNetworkOptions sut;
 
   for (const char* text : {"", ":2368", "10.1.2.3:0", "10.1.2.3:65536", "10.1.2.3:x", "10.1.2.3:1:2:3"}) {
-    EXPECT_THROW(parse_destination(text, sut), cli::UsageError) << text;
+    EXPECT_THROW(parse_destination("--to-network", text, sut), cli::UsageError) << text;
   }
   for (const char* text : {"", "udp", "udp:10.1.2.3", "udp:10.1.2.3:0", "pty", "pty:", "tcp:10.1.2.3:7"}) {
     EXPECT_THROW(parse_imu_destination(text, sut), cli::UsageError) << text;

@@ -55,6 +55,39 @@ TEST(AviaPattern, HasThePublishedFieldOfView) {
   EXPECT_NEAR(highest - lowest, 77.2, 0.5);
 }
 
+TEST(AviaPattern, IsANarrowBandInRepetitiveMode) {
+  const Risley sut({-0.7, 0.7, 2.1}, RisleyPattern::kRepetitive);
+  double widest = 0.0;
+  double highest = 0.0;
+  double highest_ahead = 0.0;
+
+  for (int i = 0; i < 240'000; ++i) {
+    const Eigen::Vector3d d = shot(sut, i);
+    widest = std::max(widest, std::abs(azimuth_deg(d)));
+    highest = std::max(highest, std::abs(elevation_deg(d)));
+    highest_ahead = std::abs(azimuth_deg(d)) < 5.0 ? std::max(highest_ahead, std::abs(elevation_deg(d))) : highest_ahead;
+  }
+
+  EXPECT_NEAR(2.0 * widest, 70.4, 0.5);
+  EXPECT_NEAR(2.0 * highest_ahead, 4.5, 0.5);
+  EXPECT_LT(highest, 4.5);  // the ends are higher
+}
+
+TEST(AviaPattern, ComesBackTenTimesASecondInRepetitiveModeOnly) {
+  const Risley repetitive({-0.7, 0.7, 2.1}, RisleyPattern::kRepetitive);
+  const Risley other({0.4, 1.9, 3.3});
+  double widest_deg = 0.0;
+  double other_deg = 0.0;
+
+  for (int i = 0; i < 24'000; ++i) {
+    widest_deg = std::max(widest_deg, (shot(repetitive, i) - shot(repetitive, i + 24'000)).norm() / kDegree);
+    other_deg = std::max(other_deg, (shot(other, i) - shot(other, i + 24'000)).norm() / kDegree);
+  }
+
+  EXPECT_LT(widest_deg, 1e-6);
+  EXPECT_GT(other_deg, 10.0);
+}
+
 TEST(AviaPattern, FillsTheViewAsFastAsTheRealOne) {
   const Risley sut({0.0, 0.0, 0.0});
   constexpr double kCell_deg = 0.2;

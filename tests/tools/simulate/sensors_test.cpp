@@ -130,16 +130,20 @@ TEST(SpinningLidar, SaysWhereAndWhenItIsInPositionPackets) {
 TEST(Avia, IsReadByTheDecoderInEachReturnModeWithItsTags) {
   struct Expected {
     LivoxReturns returns;
+    bool spherical;
     std::uint8_t type;
     std::size_t bytes;
     double packet_us;
   };
   // Source: livox-sdk1 description, sections 5.3 and 5.4.
   for (const Expected& e :
-       {Expected{LivoxReturns::kFirst, 2, 1362, 400.0}, Expected{LivoxReturns::kStrongest, 2, 1362, 400.0},
-        Expected{LivoxReturns::kDual, 4, 1362, 200.0}, Expected{LivoxReturns::kTriple, 7, 1278, 125.0}}) {
+       {Expected{LivoxReturns::kFirst, false, 2, 1362, 400.0}, Expected{LivoxReturns::kStrongest, false, 2, 1362, 400.0},
+        Expected{LivoxReturns::kDual, false, 4, 1362, 200.0}, Expected{LivoxReturns::kTriple, false, 7, 1278, 125.0},
+        Expected{LivoxReturns::kFirst, true, 3, 978, 400.0}, Expected{LivoxReturns::kStrongest, true, 3, 978, 400.0},
+        Expected{LivoxReturns::kDual, true, 5, 786, 200.0}, Expected{LivoxReturns::kTriple, true, 8, 678, 125.0}}) {
     Drive drive = drive_with(LidarKind::kLivoxAvia);
     drive.returns = e.returns;
+    drive.spherical = e.spherical;
     drive.mixed_pixels = true;
     drive.drops_per_m = 0.01;
     const Scene scene(drive);
@@ -183,6 +187,34 @@ TEST(Mid360, SendsSdk2PacketsWithTheirChecksums) {
   }
   EXPECT_NEAR(static_cast<double>(points) / scene.motion().duration_s(), 2083.3, 1.0);
   EXPECT_NEAR(static_cast<double>(samples) / scene.motion().duration_s(), 200.0, 1.0);
+}
+
+TEST(Avia, SaysTheSameInSphericalCoordinatesToTheirResolution) {
+  for (const LivoxReturns returns : {LivoxReturns::kStrongest, LivoxReturns::kTriple}) {
+    Drive drive = drive_with(LidarKind::kLivoxAvia);
+    drive.returns = returns;
+    drive.mixed_pixels = true;
+    const Scene cartesian(drive);
+    drive.spherical = true;
+    const Scene spherical(drive);
+    std::vector<sensor::Point> expected;
+    decode_points(cartesian, 300, [&](const sensor::Point& point, double, std::uint64_t) { expected.push_back(point); });
+    std::size_t i = 0;
+
+    decode_points(spherical, 300, [&](const sensor::Point& sut, double, std::uint64_t) {
+      ASSERT_LT(i, expected.size());
+      const sensor::Point& point = expected[i++];
+      const Eigen::Vector3d a(point.x_m, point.y_m, point.z_m);
+      const Eigen::Vector3d b(sut.x_m, sut.y_m, sut.z_m);
+      ASSERT_NEAR(a.norm(), b.norm(), 0.002);
+      ASSERT_LT(a.normalized().cross(b.normalized()).norm(), 0.01 * kDegree + 0.001 / a.norm());
+      ASSERT_EQ(sut.offset_ns, point.offset_ns);
+      ASSERT_EQ(sut.tag, point.tag);
+    });
+
+    EXPECT_EQ(i, expected.size());
+    EXPECT_GT(i, 5000U);
+  }
 }
 
 TEST(Crc32, MatchesTheGoldenPackets) {
