@@ -32,8 +32,10 @@ std::string words_for(const HostEvent& event) {
     case HostEventKind::kWrongSubnet:
       return at + " is of another subnet than this host, and cannot be reached";
     case HostEventKind::kHeldByOther:
-      return who + " is held by another host" + (event.value == 0 ? "" : " (" + dotted(event.value) + ")") +
-             ": stop that one's driver or viewer, then this one takes over";
+      return event.value == 0
+                 ? who + " is held by another host: stop that one's driver or viewer, then this one takes over"
+                 : who + " is held by another host: it is set to send to " + dotted(event.value) +
+                       "; this one takes it back when it is set otherwise or restarts";
     case HostEventKind::kNotSeen:
       return (who.empty() ? "no device" : who) +
              std::string(" is not to be heard looking for a host: off, of another subnet, or held by another host");
@@ -64,6 +66,10 @@ std::string words_for(const HostEvent& event) {
       return at + " was lost: it has fallen silent";
     case HostEventKind::kRestarted:
       return at + " has restarted, and looks for a host";
+    case HostEventKind::kSyncChanged:
+      return who + " is synchronised by " + (event.value == 1 ? "ptp" : event.value == 2 ? "gps" : "none");
+    case HostEventKind::kHealthChanged:
+      return event.value == 0 ? who + " is well" : who + " reports health code " + value;
     case HostEventKind::kTakenOver:
       return who + " sent to " + dotted(event.value) + " until now; it sends to this host from now on";
   }

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "core/base/fixed_vector.hpp"
+#include "drivers/livox/control_frame.hpp"
 #include "drivers/livox/sdk1_messages.hpp"
 
 namespace slamd::livox {
@@ -40,6 +41,8 @@ enum class HostEventKind : std::uint8_t {
   kStopped,
   kLost,             // was this host's, and is silent
   kRestarted,        // was this host's, and looks for a host again
+  kSyncChanged,      // SDK2; value: 0 none, 1 PTP, 2 GPS
+  kHealthChanged,    // SDK2; value: the first health code that is not 0; 0: all is well again
   kTakenOver,        // SDK2: sent to another host until now; value: its address
 };
 
@@ -61,7 +64,7 @@ std::string words_for(const HostEvent& event);
 struct HostOutput {
   struct Datagram {
     Endpoint to;
-    FixedVector<std::byte, 256> bytes;
+    FrameBytes bytes;
   };
 
   FixedVector<Datagram, 8> datagrams;

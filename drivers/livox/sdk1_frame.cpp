@@ -1,5 +1,7 @@
 #include "drivers/livox/sdk1_frame.hpp"
 
+#include <array>
+
 #include "core/base/assert.hpp"
 #include "core/base/bytes.hpp"
 #include "drivers/livox/checksums.hpp"
@@ -15,28 +17,6 @@ constexpr std::size_t kPayloadAt = 11;
 constexpr std::size_t kAround = 15;  // all but the payload
 
 }  // namespace
-
-std::string_view name_of(FrameResult result) {
-  switch (result) {
-    case FrameResult::kOk:
-      return "ok";
-    case FrameResult::kTooShort:
-      return "too_short";
-    case FrameResult::kNotAFrame:
-      return "not_a_frame";
-    case FrameResult::kUnknownVersion:
-      return "unknown_version";
-    case FrameResult::kWrongLength:
-      return "wrong_length";
-    case FrameResult::kBadHeaderChecksum:
-      return "bad_header_checksum";
-    case FrameResult::kUnknownType:
-      return "unknown_type";
-    case FrameResult::kBadChecksum:
-      return "bad_checksum";
-  }
-  return "?";
-}
 
 FrameResult parse_sdk1_frame(std::span<const std::byte> bytes, Sdk1Frame& frame, std::size_t& size) {
   if (bytes.size() < kAround) {
@@ -86,11 +66,7 @@ FrameBytes write_sdk1_frame(const Sdk1Frame& frame) {
     bytes[kPayloadAt + i] = frame.payload[i];
   }
   store_le(bytes, length - 4, sdk1_crc32(bytes.first(length - 4)));
-  FrameBytes out;
-  for (const std::byte byte : bytes) {
-    out.push_back(byte);
-  }
-  return out;
+  return frame_bytes_of(bytes);
 }
 
 }  // namespace slamd::livox

@@ -1,12 +1,10 @@
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
-#include <string_view>
 
-#include "core/base/fixed_vector.hpp"
+#include "drivers/livox/control_frame.hpp"
 
 namespace slamd::livox {
 
@@ -50,27 +48,6 @@ struct Sdk1Frame {
   Sdk1Command command = Sdk1Command::kBroadcast;  // any 16 bits may come in
   std::span<const std::byte> payload;
 };
-
-/// What became of the bytes at a frame's place; all but the first are refusals.
-enum class FrameResult : std::uint8_t {
-  kOk,
-  kTooShort,           // no room for a frame
-  kNotAFrame,          // does not begin with 0xAA
-  kUnknownVersion,     // the other SDK's, or a later one's
-  kWrongLength,        // announces more than is there, or less than a frame
-  kBadHeaderChecksum,
-  kUnknownType,
-  kBadChecksum,
-};
-
-inline constexpr std::size_t kFrameResults = 8;
-
-std::string_view name_of(FrameResult result);
-
-inline constexpr std::size_t kLongestFrame = 1400;
-
-/// A frame on its way out.
-using FrameBytes = FixedVector<std::byte, 256>;
 
 /// Reads the frame at the front of a datagram, which may hold several: size tells where the next one
 /// begins. Errors: a refusal leaves frame and size untouched; the rest of the datagram is then of no
