@@ -65,6 +65,7 @@ struct ImuConfiguration {
 };
 
 struct WheelConfiguration {
+  bool use = true;
   std::string source;
 };
 

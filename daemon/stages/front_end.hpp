@@ -21,6 +21,8 @@ class FrontEnd {
 
   void add_imu(const sensor::ImuSample& sample) { preprocess_.add_imu(sample); }
 
+  void add_wheel(const sensor::WheelSample& sample) { preprocess_.add_wheel(sample); }
+
   bool ready_for(const sensor::Scan& scan, Stamp now) const { return preprocess_.ready_for(scan, now); }
 
   /// Processes a scan; returns nothing while starting.

@@ -14,7 +14,6 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr std::uint32_t kHostAddress = 0xC0A80132;  // 192.168.1.50
-constexpr double kWheel_hz = 50.0;
 constexpr double kGnss_hz = 5.0;
 constexpr double kMapSpacing_m = 0.1;
 

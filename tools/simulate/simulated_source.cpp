@@ -45,6 +45,16 @@ bool SimulatedSource::next_imu(sensor::ImuSample& sample) {
   return true;
 }
 
+bool SimulatedSource::next_wheel(sensor::WheelSample& sample) {
+  double t_s = 0.0;
+  WheelReading reading;
+  if (!wheels_.next(t_s, reading)) {
+    return false;
+  }
+  sample = {stamp_at(t_s), through_text(reading.v_mps, "%.5f"), through_text(reading.w_radps, "%.6f")};
+  return true;
+}
+
 evaluation::Trajectory truth_of(const Motion& motion) {
   evaluation::Trajectory truth;
   for (int i = 0; i <= static_cast<int>(motion.duration_s() * kTruth_hz); ++i) {

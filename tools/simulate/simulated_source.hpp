@@ -9,15 +9,20 @@ namespace slamd::simulate {
 /// A drive as a source for replay: what a recording of it would hold, without the files.
 class SimulatedSource : public replay::PacketSource {
  public:
-  explicit SimulatedSource(const Scene& scene) : stream_(scene), imu_(scene.imu()) {}
+  explicit SimulatedSource(const Scene& scene)
+      : stream_(scene),
+        imu_(scene.imu()),
+        wheels_(scene.motion(), kWheel_hz, scene.drive().wheel_errors, scene.drive().seed) {}
 
   bool next(recording::Packet& packet) override;
   bool next_imu(sensor::ImuSample& sample) override;
+  bool next_wheel(sensor::WheelSample& sample) override;
   double progress() const override { return stream_.progress(); }
 
  private:
   PacketStream stream_;
   InertialSensor imu_;
+  WheelSensor wheels_;
 };
 
 /// The truth of a drive: T_world_base, 100 Hz.
