@@ -76,7 +76,7 @@ void propagate_mean(NavState& state, const ImuSample& mean, double dt_s) {
 }
 
 void propagate_interval(
-    NavState& state, Covariance& P, const ImuSample& mean, double dt_s, const ImuNoise& noise) {
+    NavState& state, Covariance& P, const ImuSample& mean, double dt_s, const ImuNoise& noise, ErrorState* cross) {
   const Eigen::Vector3d turn = (mean.angular_rate_radps - state.gyro_bias) * dt_s;
   const Eigen::Vector3d force = mean.specific_force_mps2 - state.accel_bias;
   const Eigen::Matrix3d R = state.T_odom_imu.rotation();
@@ -94,6 +94,9 @@ void propagate_interval(
   Covariance FP;
   FP.noalias() = F * P;
   P.noalias() = FP * F.transpose();
+  if (cross != nullptr) {
+    *cross = (F * *cross).eval();
+  }
   add_noise(P, kRotation, turn_variance_density(mean.angular_rate_radps - state.gyro_bias, noise) * dt_s);
   add_noise(P, kVelocity, noise.accel_noise_mps2_sqrthz * noise.accel_noise_mps2_sqrthz * dt_s);
   add_noise(P, kGyroBias, noise.gyro_bias_walk_radps2_sqrthz * noise.gyro_bias_walk_radps2_sqrthz * dt_s);
@@ -102,9 +105,10 @@ void propagate_interval(
 }
 
 void propagate(
-    NavState& state, Covariance& P, std::span<const ImuSample> samples, Stamp to, const ImuNoise& noise) {
+    NavState& state, Covariance& P, std::span<const ImuSample> samples, Stamp to, const ImuNoise& noise,
+    ErrorState* cross) {
   for_each_interval(samples, state.stamp, to, [&](const ImuSample& mean, double dt_s) {
-    propagate_interval(state, P, mean, dt_s, noise);
+    propagate_interval(state, P, mean, dt_s, noise, cross);
   });
   P = (0.5 * (P + P.transpose())).eval();
   state.stamp = to;
@@ -113,7 +117,8 @@ void propagate(
 void propagate_constant_velocity(NavState& state,
                                  Covariance& P,
                                  Stamp to,
-                                 const ConstantVelocityNoise& noise) {
+                                 const ConstantVelocityNoise& noise,
+                                 ErrorState* cross) {
   const double dt_s = to_seconds(to - state.stamp);
   const Eigen::Vector3d turn = -state.gyro_bias * dt_s;
 
@@ -125,6 +130,9 @@ void propagate_constant_velocity(NavState& state,
   Covariance FP;
   FP.noalias() = F * P;
   P.noalias() = FP * F.transpose();
+  if (cross != nullptr) {
+    *cross = (F * *cross).eval();
+  }
   // White acceleration through a double integrator; the cross terms keep velocity observable from position.
   const double q_v = noise.acceleration_mps2_sqrthz * noise.acceleration_mps2_sqrthz;
   const double q_w = noise.angular_acceleration_radps2_sqrthz * noise.angular_acceleration_radps2_sqrthz;

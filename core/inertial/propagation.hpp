@@ -26,14 +26,16 @@ struct ConstantVelocityNoise {
   double angular_acceleration_radps2_sqrthz = 1.5;
 };
 
-/// Moves the state and its covariance over one interval with the mean of the samples at both ends.
+/// Moves the state and its covariance over one interval with the mean of the samples at both ends. `cross`, where
+/// given, is the covariance of the error states with a parameter that does not change, and goes with them.
 /// Source: error-state propagation after Sola, "Quaternion kinematics for the error-state Kalman filter", 5.4,
 /// with gravity on S² as in FAST-LIO2.  Real-time: no allocation; O(17³).
 void propagate_interval(NavState& state,
                         Covariance& P,
                         const sensor::ImuSample& mean,
                         double dt_s,
-                        const ImuNoise& noise);
+                        const ImuNoise& noise,
+                        ErrorState* cross = nullptr);
 
 /// Moves only the state, as propagate_interval does.
 void propagate_mean(NavState& state, const sensor::ImuSample& mean, double dt_s);
@@ -46,11 +48,13 @@ void propagate(NavState& state,
                Covariance& P,
                std::span<const sensor::ImuSample> samples,
                Stamp to,
-               const ImuNoise& noise);
+               const ImuNoise& noise,
+               ErrorState* cross = nullptr);
 
 /// Moves a state without inertial samples at constant velocity. Here gyro_bias holds −ω (a gyroscope that always
 /// reads zero is wrong by just that), so that the filter estimates the turn rate with the state it has.
-void propagate_constant_velocity(NavState& state, Covariance& P, Stamp to, const ConstantVelocityNoise& noise);
+void propagate_constant_velocity(NavState& state, Covariance& P, Stamp to, const ConstantVelocityNoise& noise,
+                                 ErrorState* cross = nullptr);
 
 /// Returns the mean of two samples, which stands for the interval between them.
 sensor::ImuSample mean_of(const sensor::ImuSample& a, const sensor::ImuSample& b);

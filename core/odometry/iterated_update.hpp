@@ -20,7 +20,7 @@ struct UpdateConfig {
   double converged_m = 0.0005;
   double converged_rad = 0.0001;
   std::size_t min_constraints = 60;
-  double degenerate_share = 0.012;  // of the scan's information: a direction with less is weak
+  double degenerate_share = 0.014;  // of the scan's information: a direction with less is weak
 };
 
 /// The posterior, and how well it stands.

@@ -21,6 +21,7 @@ Odometry::Odometry(const OdometryConfig& config)
       map_(config.map),
       psf_(config.psf, config.seed),
       environment_(config.environment, config.indoor_below_m, config.outdoor_above_m),
+      wheels_(config.wheel),
       constraints_(config.preprocess.max_planar + 2 * config.preprocess.max_edge),
       points_odom_(config.preprocess.max_map_points),
       swarm_points_imu_(config.psf.points) {}
@@ -36,6 +37,7 @@ void Odometry::begin() {
   map_.clear();
   psf_.reset();
   rate_imu_radps_.setZero();
+  wheels_.separate(0, inertial::ErrorState::RowsAtCompileTime);  // the scale is the vehicle's, and stays
   waiting_gyro_bias_.setZero();
   coasting_ = false;
   path_m_ = 0.0;
@@ -53,9 +55,11 @@ void Odometry::start_without_imu(Stamp stamp) {
 }
 
 // The whole of the odometry, a line a step (design.md, "Odometry: the adapted particle swarm filter").
-OdometryResult Odometry::process(const DeskewedScan& scan, std::span<const sensor::ImuSample> samples) {
+OdometryResult Odometry::process(const DeskewedScan& scan,
+                                 std::span<const sensor::ImuSample> samples,
+                                 std::span<const sensor::WheelSample> wheels) {
   environment_.add(scan.median_range_m);
-  const Cause prediction_cause = predict(scan.end, samples);                     // 1
+  const Cause prediction_cause = predict(scan.end, samples, wheels);             // 1
   if (map_.empty()) {
     extend_map(scan);
     UpdateResult nothing;
@@ -68,6 +72,9 @@ OdometryResult Odometry::process(const DeskewedScan& scan, std::span<const senso
   const Cause update_cause = judge(posterior);                                   // 9, 10
   const double moved_m = (posterior.state.T_odom_imu.translation() - state_.T_odom_imu.translation()).norm();
   path_m_ += moved_m;
+  if (posterior.enough) {
+    wheels_.follow(state_, P_, posterior.state, posterior.P);
+  }
   state_ = posterior.state;
   P_ = posterior.P;
   const bool trusted = update_cause == Cause::kNone || update_cause == Cause::kDegenerate;
@@ -80,22 +87,26 @@ OdometryResult Odometry::process(const DeskewedScan& scan, std::span<const senso
   return result;
 }
 
-Cause Odometry::predict(Stamp to, std::span<const sensor::ImuSample> samples) {
+Cause Odometry::predict(Stamp to,
+                        std::span<const sensor::ImuSample> samples,
+                        std::span<const sensor::WheelSample> wheels) {
   const Eigen::Vector3d before = state_.T_odom_imu.translation();
-  Cause cause = Cause::kNone;
-  if (samples.empty()) {
-    cause = config_.use_imu ? Cause::kNoImu : Cause::kNone;
-    coast(true);
-    inertial::propagate_constant_velocity(state_, P_, to, config_.constant_velocity);
-    rate_imu_radps_ = -state_.gyro_bias;
-  } else {
-    coast(false);
+  const bool by_imu = !samples.empty();
+  Cause cause = by_imu || !config_.use_imu ? Cause::kNone : Cause::kNoImu;
+  coast(!by_imu);
+  for (const sensor::WheelSample& wheel : wheels) {
+    if (wheel.stamp <= state_.stamp || wheel.stamp > to) {
+      continue;
+    }
+    propagate(wheel.stamp, samples);
+    wheels_.update(wheel, config_.T_base_imu, rate_imu_radps_, by_imu, state_, P_);
+  }
+  propagate(to, samples);
+  if (by_imu) {
     for (std::size_t i = 0; i + 1 < samples.size(); ++i) {
       cause = samples[i + 1].stamp - samples[i].stamp > config_.max_imu_gap ? Cause::kImuGap : cause;
     }
     cause = to - samples.back().stamp > config_.max_imu_gap ? Cause::kImuGap : cause;
-    inertial::propagate(state_, P_, samples, to, config_.imu_noise);
-    rate_imu_radps_ = samples.back().angular_rate_radps - state_.gyro_bias;
     if (cause == Cause::kImuGap) {
       // Nobody knows what happened meanwhile.
       P_.diagonal().segment<3>(kVelocity).array() += 0.25;
@@ -105,6 +116,17 @@ Cause Odometry::predict(Stamp to, std::span<const sensor::ImuSample> samples) {
   }
   path_m_ += (state_.T_odom_imu.translation() - before).norm();
   return cause;
+}
+
+void Odometry::propagate(Stamp to, std::span<const sensor::ImuSample> samples) {
+  if (samples.empty()) {
+    inertial::propagate_constant_velocity(state_, P_, to, config_.constant_velocity, &wheels_.cross());
+    rate_imu_radps_ = -state_.gyro_bias;
+    return;
+  }
+  inertial::propagate(state_, P_, samples, to, config_.imu_noise, &wheels_.cross());
+  const auto after = std::find_if(samples.begin(), samples.end() - 1, [&](const auto& s) { return s.stamp >= to; });
+  rate_imu_radps_ = after->angular_rate_radps - state_.gyro_bias;
 }
 
 void Odometry::coast(bool without_imu) {
@@ -120,6 +142,7 @@ void Odometry::coast(bool without_imu) {
   P_.middleRows<3>(kGyroBias).setZero();
   P_.middleCols<3>(kGyroBias).setZero();
   P_.diagonal().segment<3>(kGyroBias).setConstant(variance);
+  wheels_.separate(kGyroBias, 3);
 }
 
 UpdateResult Odometry::update(const DeskewedScan& scan, Cause prediction_cause, psf::Answer& swarm) {

@@ -71,17 +71,21 @@ class Odometry {
   bool started() const { return started_; }
 
   /// Takes a deskewed scan in and returns the pose at its end.
-  /// `samples` bracket the time since the last scan; empty: constant velocity.
-  OdometryResult process(const scan::DeskewedScan& scan, std::span<const sensor::ImuSample> samples);
+  /// `samples` bracket the time since the last scan; empty: constant velocity. `wheels` are those since the last scan.
+  OdometryResult process(const scan::DeskewedScan& scan,
+                         std::span<const sensor::ImuSample> samples,
+                         std::span<const sensor::WheelSample> wheels = {});
 
   const inertial::NavState& state() const { return state_; }
   const inertial::Covariance& covariance() const { return P_; }
   const map::VoxelMap& map() const { return map_; }
+  const inertial::WheelUpdate& wheels() const { return wheels_; }
   bool indoor() const { return environment_.indoor(); }
 
  private:
   void begin();
-  Cause predict(Stamp to, std::span<const sensor::ImuSample> samples);
+  Cause predict(Stamp to, std::span<const sensor::ImuSample> samples, std::span<const sensor::WheelSample> wheels);
+  void propagate(Stamp to, std::span<const sensor::ImuSample> samples);
   void coast(bool without_imu);
   UpdateResult update(const scan::DeskewedScan& scan, Cause prediction_cause, psf::Answer& swarm);
   Cause contradiction_of(const UpdateResult& update) const;
@@ -98,6 +102,7 @@ class Odometry {
   bool started_ = false;
   inertial::NavState state_;
   inertial::Covariance P_ = inertial::Covariance::Identity();
+  inertial::WheelUpdate wheels_;
   Eigen::Vector3d rate_imu_radps_ = Eigen::Vector3d::Zero();  // at the last scan's end
   bool coasting_ = false;  // the inertial sensor is configured, but silent
   Eigen::Vector3d waiting_gyro_bias_ = Eigen::Vector3d::Zero();

@@ -5,6 +5,7 @@
 #include "core/geometry/se3.hpp"
 #include "core/inertial/propagation.hpp"
 #include "core/inertial/start_up_alignment.hpp"
+#include "core/inertial/wheel_update.hpp"
 #include "core/map/voxel_map.hpp"
 #include "core/odometry/iterated_update.hpp"
 #include "core/psf/particle_swarm_filter.hpp"
@@ -28,6 +29,7 @@ struct OdometryConfig {
   geometry::Se3 T_base_lidar;
   inertial::ImuNoise imu_noise;
   inertial::ConstantVelocityNoise constant_velocity;
+  inertial::WheelConfig wheel;
   inertial::StartUpConfig start_up;
   scan::PreprocessConfig preprocess;
   map::VoxelMapConfig map;

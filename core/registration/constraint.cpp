@@ -7,7 +7,7 @@ namespace slamd::registration {
 namespace {
 
 /// A normal is believed to face a direction when it does so by more than so many standard deviations of its tilt.
-constexpr double kTiltCaution_sq = 3.0 * 3.0;
+constexpr double kTiltCaution_sq = 6.0 * 6.0;
 
 /// `seen(constraint, n)` is the part of a normal along which its surface may speak.
 template <typename Seen>

@@ -70,6 +70,7 @@ struct ImuConfiguration {
 };
 
 struct WheelConfiguration {
+  bool use = true;
   std::string source;
 };
 

@@ -227,7 +227,8 @@ void add_sensor_keys(std::vector<Key>& keys) {
   keys.push_back(number("imu.accel_noise_mps2_sqrthz", 1e-5, 10.0, "Density of the accelerometer's noise, with vibration.", SLAMD_FIELD(odometry.imu_noise.accel_noise_mps2_sqrthz)));
   keys.push_back(number("imu.gyro_bias_walk_radps2_sqrthz", 1e-8, 0.1, "Walk of the gyroscope's bias.", SLAMD_FIELD(odometry.imu_noise.gyro_bias_walk_radps2_sqrthz)));
   keys.push_back(number("imu.accel_bias_walk_mps3_sqrthz", 1e-7, 1.0, "Walk of the accelerometer's bias.", SLAMD_FIELD(odometry.imu_noise.accel_bias_walk_mps3_sqrthz)));
-  keys.push_back(text("wheel.source", "A CSV file of the recording (read by a later release).", SLAMD_FIELD(wheel.source)));
+  keys.push_back(boolean("wheel.use", "Use wheel odometry where there is a source.", SLAMD_FIELD(wheel.use)));
+  keys.push_back(text("wheel.source", "A CSV file of the recording; the live daemon has no wheels yet.", SLAMD_FIELD(wheel.source)));
   keys.push_back(boolean("gnss.use", "Use positions in the graph (a later release).", SLAMD_FIELD(gnss.use)));
   keys.push_back(text("gnss.source", "A CSV file of the recording (read by a later release).", SLAMD_FIELD(gnss.source)));
   add_transform(keys, "gnss.T_base_antenna", "The antenna's place in base.",

@@ -21,6 +21,8 @@ class FrontEnd {
 
   void add_imu(const sensor::ImuSample& sample) { preprocess_.add_imu(sample); }
 
+  void add_wheel(const sensor::WheelSample& sample) { preprocess_.add_wheel(sample); }
+
   /// Begins an epoch: odom and map anew, as soon as odom is level again.
   void restart(std::uint32_t epoch) { preprocess_.restart(epoch); }
 

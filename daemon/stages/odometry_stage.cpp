@@ -19,7 +19,7 @@ void OdometryStage::take(const PreprocessedScan& scan) {
 odometry::OdometryResult OdometryStage::process(const PreprocessedScan& scan) {
   take(scan);
   const auto samples = bracket(imu_.samples(), odometry_.state().stamp, scan.deskewed.end);
-  const odometry::OdometryResult result = odometry_.process(scan.deskewed, samples);
+  const odometry::OdometryResult result = odometry_.process(scan.deskewed, samples, scan.wheels.view());
   imu_.drop_before(odometry_.state().stamp);
   sequence_ = scan.sequence;
   return result;

@@ -11,6 +11,8 @@ namespace {
 
 /// Inertial samples that one scan carries to the odometry: a second at 1 kHz and more.
 constexpr std::size_t kMaxImuPerScan = 2048;
+/// The same of the wheels: ten seconds at 100 Hz.
+constexpr std::size_t kMaxWheelsPerScan = 1024;
 
 }  // namespace
 
@@ -37,7 +39,7 @@ std::span<const ImuSample> bracket(std::span<const ImuSample> samples, Stamp fro
 }
 
 PreprocessedScan::PreprocessedScan(const odometry::OdometryConfig& config)
-    : deskewed(config.preprocess), imu(kMaxImuPerScan) {}
+    : deskewed(config.preprocess), imu(kMaxImuPerScan), wheels(kMaxWheelsPerScan) {}
 
 PreprocessStage::PreprocessStage(const odometry::OdometryConfig& config)
     : config_(config),
@@ -45,6 +47,7 @@ PreprocessStage::PreprocessStage(const odometry::OdometryConfig& config)
       imu_(sensor::ImuBufferConfig{}),
       aligner_(config.start_up),
       pending_imu_(kMaxImuPerScan),
+      pending_wheels_(kMaxWheelsPerScan),
       motion_(config.preprocess.longest_scan),
       preprocessor_(config.preprocess) {}
 
@@ -59,6 +62,16 @@ void PreprocessStage::add_imu(const ImuSample& sample) {
   }
   if (!alignment_) {
     alignment_ = aligner_.add(sample, config_.T_base_imu);
+  }
+}
+
+void PreprocessStage::add_wheel(const sensor::WheelSample& sample) {
+  if (!pending_wheels_.empty() && sample.stamp <= pending_wheels_[pending_wheels_.size() - 1].stamp) {
+    return;
+  }
+  if (!pending_wheels_.try_push_back(sample)) {
+    pending_wheels_.clear();
+    pending_wheels_.push_back(sample);
   }
 }
 
@@ -118,6 +131,12 @@ bool PreprocessStage::process(const sensor::Scan& scan, PreprocessedScan& out) {
   out.epoch = epoch_;
   out.imu.assign(pending_imu_.view());
   pending_imu_.clear();
+  // Those after the scan's end are the next one's.
+  auto* const late = std::partition_point(pending_wheels_.begin(), pending_wheels_.end(),
+                                         [&](const sensor::WheelSample& wheel) { return wheel.stamp <= scan.end; });
+  out.wheels.assign({pending_wheels_.begin(), late});
+  pending_wheels_.resize(static_cast<std::size_t>(std::move(late, pending_wheels_.end(), pending_wheels_.begin()) -
+                                                  pending_wheels_.begin()));
   deskew_and_extract(scan, out);
   out.preprocess_ms = thread_cpu_ms() - begin_ms;
   return true;

@@ -10,6 +10,7 @@
 #include "core/scan/preprocessor.hpp"
 #include "core/sensor/imu_buffer.hpp"
 #include "core/sensor/scan.hpp"
+#include "core/sensor/wheel_sample.hpp"
 
 namespace slamd::stages {
 
@@ -30,6 +31,7 @@ struct PreprocessedScan {
   std::optional<Stamp> start_without_imu;       // the same where there is no inertial sensor
   scan::DeskewedScan deskewed;
   BoundedVector<sensor::ImuSample> imu;         // accepted since the scan before, so that no scan loses any
+  BoundedVector<sensor::WheelSample> wheels;    // since the scan before
   Stamp received{};                             // arrival of the packet that completed the scan
   double preprocess_ms = 0.0;                   // CPU time
 };
@@ -50,6 +52,9 @@ class PreprocessStage {
 
   /// Takes an inertial sample in; levels odom with the first ones.
   void add_imu(const sensor::ImuSample& sample);
+
+  /// Hands a sample of the wheels on, with the next scan.
+  void add_wheel(const sensor::WheelSample& sample);
 
   /// Takes in what the odometry found. What is left of an epoch before is of no use.
   void add_feedback(const Feedback& feedback) {
@@ -92,6 +97,7 @@ class PreprocessStage {
   std::array<Feedback, 4> history_;  // by sequence
   // scratch, sized once
   BoundedVector<sensor::ImuSample> pending_imu_;
+  BoundedVector<sensor::WheelSample> pending_wheels_;
   scan::ScanMotion motion_;
   scan::Preprocessor preprocessor_;
 };

@@ -10,6 +10,7 @@ namespace {
 
 constexpr const char* kImuColumns[] = {"timestamp_ns", "gx_rad_s", "gy_rad_s", "gz_rad_s",
                                        "ax_m_s2",      "ay_m_s2",  "az_m_s2"};
+constexpr const char* kWheelColumns[] = {"timestamp_ns", "v_m_s", "w_rad_s"};
 
 std::string_view trimmed(std::string_view text) {
   while (!text.empty() && (text.front() == ' ' || text.front() == '\t')) {
@@ -131,6 +132,18 @@ bool ImuCsvReader::next(sensor::ImuSample& sample) {
   }
   sample.angular_rate_radps = {values[0], values[1], values[2]};
   sample.specific_force_mps2 = {values[3], values[4], values[5]};
+  return true;
+}
+
+WheelCsvReader::WheelCsvReader(const std::filesystem::path& file) : csv_(file, kWheelColumns) {}
+
+bool WheelCsvReader::next(sensor::WheelSample& sample) {
+  std::array<double, 2> values{};
+  if (!csv_.next(sample.stamp, values)) {
+    return false;
+  }
+  sample.speed_mps = values[0];
+  sample.turn_rate_radps = values[1];
   return true;
 }
 

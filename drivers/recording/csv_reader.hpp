@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/sensor/imu_sample.hpp"
+#include "core/sensor/wheel_sample.hpp"
 #include "drivers/recording/packet.hpp"
 
 namespace slamd::recording {
@@ -58,6 +59,19 @@ class ImuCsvReader {
   explicit ImuCsvReader(const std::filesystem::path& file);
 
   bool next(sensor::ImuSample& sample);
+
+  const CsvCounters& counters() const { return csv_.counters(); }
+
+ private:
+  CsvReader csv_;
+};
+
+/// Reads an odom.csv: the speeds of base, m/s and rad/s.
+class WheelCsvReader {
+ public:
+  explicit WheelCsvReader(const std::filesystem::path& file);
+
+  bool next(sensor::WheelSample& sample);
 
   const CsvCounters& counters() const { return csv_.counters(); }
 

@@ -187,6 +187,7 @@ std::string report_json(const Recording& recording, const Run& run, const std::s
   report["packets"] = json_of(run.packets);
   report["blocks"] = json_of(run.blocks);
   report["imu"] = json_of(run.imu);
+  report["wheel"] = json_of(run.wheel);
   report["clock"] = {{"steps", run.clock.steps}, {"roll_overs", run.clock.roll_overs}, {"skew_ppm", 1e6 * run.clock.skew},
                      {"residual_mean_us", 1e-3 * static_cast<double>(run.clock.residual_mean.count())},
                      {"residual_max_us", 1e-3 * static_cast<double>(run.clock.residual_max.count())}};

@@ -89,6 +89,9 @@ Recording open_recording(const fs::path& path,
     recording.lidar = lidar.model == LidarModel::kPoints ? path : only_capture(path);
   }
   recording.imu_csv = imu_file(directory, imu);
+  if (const auto& wheel = recording.configuration.wheel; wheel.use && !wheel.source.empty()) {
+    recording.wheel_csv = existing(directory, wheel.source, "wheel.source");
+  }
   if (is_directory && fs::exists(path / "truth.tum")) {
     recording.truth = path / "truth.tum";
   }

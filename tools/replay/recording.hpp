@@ -13,6 +13,7 @@ struct Recording {
   std::filesystem::path name;     // as the user wrote it
   std::filesystem::path lidar;    // pcap file, or folder of clouds
   std::filesystem::path imu_csv;  // empty: none, or built in
+  std::filesystem::path wheel_csv;  // empty: none
   std::filesystem::path truth;    // empty: none
   configuration::Configuration configuration;
 };

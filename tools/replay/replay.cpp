@@ -66,15 +66,59 @@ class ImuSource {
   std::optional<ImuSample> next_;
 };
 
+/// The wheels of a recording or a source, one sample ahead.
+class WheelFeed {
+ public:
+  WheelFeed() = default;
+
+  explicit WheelFeed(const std::filesystem::path& file) {
+    if (!file.empty()) {
+      reader_.emplace(file);
+      advance();
+    }
+  }
+
+  explicit WheelFeed(PacketSource& source) : source_(&source) { advance(); }
+
+  const std::optional<sensor::WheelSample>& next() const { return next_; }
+
+  void advance() {
+    sensor::WheelSample sample;
+    const bool more = source_ != nullptr ? source_->next_wheel(sample) : reader_ && reader_->next(sample);
+    next_ = more ? std::optional(sample) : std::nullopt;
+    samples_ += more ? 1 : 0;
+  }
+
+  stages::NamedCounts counts() const {
+    stages::NamedCounts counts{{"rows", samples_}};
+    for (std::size_t i = 0; reader_ && i < recording::kRowRefusals; ++i) {
+      if (const auto refused = reader_->counters().refused[i]; refused != 0) {
+        counts.emplace_back(std::string("refused_row_") + name_of(static_cast<recording::RowRefusal>(i)), refused);
+      }
+    }
+    return counts;
+  }
+
+ private:
+  std::optional<recording::WheelCsvReader> reader_;
+  PacketSource* source_ = nullptr;
+  std::uint64_t samples_ = 0;
+  std::optional<sensor::WheelSample> next_;
+};
+
 /// The run itself: a virtual clock, the front end, and at most one scan that waits for inertial samples.
 class Player {
  public:
-  Player(const configuration::Configuration& configuration, ImuSource imu, const Sinks& sinks)
-      : sinks_(sinks), front_end_(resolved_odometry(configuration)), imu_(std::move(imu)),
+  Player(const configuration::Configuration& configuration, ImuSource imu, WheelFeed wheels,
+         const Sinks& sinks)
+      : sinks_(sinks), front_end_(resolved_odometry(configuration)), imu_(std::move(imu)), wheels_(std::move(wheels)),
         waiting_(configuration.odometry.preprocess.max_points) {}
 
   /// Lets time pass: inertial samples up to `now` arrive, and a waiting scan goes when it can.
   void advance_to(Stamp now) {
+    for (; wheels_.next() && wheels_.next()->stamp <= now; wheels_.advance()) {
+      front_end_.add_wheel(*wheels_.next());
+    }
     while (imu_.next() && imu_.next()->stamp <= now) {
       add_imu(*imu_.next(), imu_.next()->stamp);
       imu_.advance();
@@ -108,6 +152,10 @@ class Player {
         run_.imu.emplace_back("refused_" + std::string(to_string(static_cast<sensor::ImuRefusal>(i))), imu.refused[i]);
       }
     }
+    run_.wheel = wheels_.counts();
+    const inertial::WheelUpdate& wheels = front_end_.odometry().wheels();
+    run_.wheel.emplace_back("used", wheels.counts().used);
+    run_.wheel.emplace_back("slipped", wheels.counts().slipped);
     run_.alignment = front_end_.alignment();
     return std::move(run_);
   }
@@ -133,6 +181,7 @@ class Player {
   const Sinks& sinks_;
   stages::FrontEnd front_end_;
   ImuSource imu_;
+  WheelFeed wheels_;
   stages::WaitingScan waiting_;
   double decode_ms_ = 0.0;  // of the scan in hand
   Run run_;
@@ -140,12 +189,12 @@ class Player {
 
 /// Plays packets that `next(packet)` gives; `share()` is how much of them was given.
 template <typename Next, typename Share>
-Run play_packets(const configuration::Configuration& configuration, ImuSource imu, Next&& next, Share&& share,
+Run play_packets(const configuration::Configuration& configuration, ImuSource imu, WheelFeed wheels, Next&& next, Share&& share,
                  const Sinks& sinks) {
   stages::PacketStage packets(configuration);
   sensor::ScanAssembler assembler(stages::assembler_config(configuration));
   sensor::PointBlock block;
-  Player player(configuration, std::move(imu), sinks);
+  Player player(configuration, std::move(imu), std::move(wheels), sinks);
   double decode_ms = 0.0;
   std::optional<Stamp> first;
   Stamp now{};
@@ -192,7 +241,8 @@ Run replay_packets(const Recording& recording, const Sinks& sinks) {
     return more;
   };
   const auto share = [&] { return read_bytes / file_bytes; };
-  Run run = play_packets(recording.configuration, ImuSource(recording.imu_csv), next, share, sinks);
+  Run run = play_packets(recording.configuration, ImuSource(recording.imu_csv),
+                         WheelFeed(recording.wheel_csv), next, share, sinks);
   for (std::size_t i = 1; i < recording::kFrameKinds; ++i) {
     const auto kind = static_cast<recording::FrameKind>(i);
     if (reader.counters().of(kind) != 0) {
@@ -208,7 +258,7 @@ Run replay_packets(const Recording& recording, const Sinks& sinks) {
 Run replay_points(const Recording& recording, const Sinks& sinks) {
   const auto& lidar = recording.configuration.lidar;
   clouds::PointFolderReader reader(recording.lidar, {lidar.scans_per_second, lidar.points_have_time});
-  Player player(recording.configuration, ImuSource(recording.imu_csv), sinks);
+  Player player(recording.configuration, ImuSource(recording.imu_csv), WheelFeed(recording.wheel_csv), sinks);
   Scan scan(recording.configuration.odometry.preprocess.max_points);
   std::optional<Stamp> first;
   Stamp now{};
@@ -252,6 +302,7 @@ Run replay(const configuration::Configuration& configuration, PacketSource& sour
   const auto begin = std::chrono::steady_clock::now();
   const bool external_imu = configuration.imu.enabled && configuration.imu.source != "livox";
   Run run = play_packets(configuration, external_imu ? ImuSource(source) : ImuSource(std::filesystem::path()),
+                         configuration.wheel.use ? WheelFeed(source) : WheelFeed(),
                          [&](Packet& packet) { return source.next(packet); }, [&] { return source.progress(); }, sinks);
   run.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   return run;

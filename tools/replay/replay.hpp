@@ -28,6 +28,7 @@ struct Run {
   stages::NamedCounts packets;           // received and refused, by reason; the sum is what the capture holds
   stages::NamedCounts blocks;
   stages::NamedCounts imu;
+  stages::NamedCounts wheel;
   std::vector<std::string> remarks;
   sensor::ClockHealth clock;
   std::optional<inertial::Alignment> alignment;
@@ -51,6 +52,9 @@ class PacketSource {
 
   /// Gives the next sample of the external inertial sensor; false at the end, or when there is none.
   virtual bool next_imu(sensor::ImuSample& sample) = 0;
+
+  /// Gives the next sample of the wheels; false at the end, or when there are none.
+  virtual bool next_wheel(sensor::WheelSample& /*sample*/) { return false; }
 
   /// The share that was given out, 0..1.
   virtual double progress() const = 0;

@@ -18,6 +18,9 @@ inline constexpr std::int64_t kStart_unix_s = 1'790'000'000;
 /// Rate of truth.tum.
 inline constexpr double kTruth_hz = 100.0;
 
+/// Rate of odom.csv.
+inline constexpr double kWheel_hz = 50.0;
+
 /// How imu.csv writes its numbers.
 inline constexpr const char* kRateFormat = "%.7f";   // rad/s
 inline constexpr const char* kForceFormat = "%.6f";  // m/s²

@@ -16,7 +16,6 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr double kWheel_hz = 50.0;
 constexpr double kGnss_hz = 5.0;
 constexpr double kMapSpacing_m = 0.1;
 

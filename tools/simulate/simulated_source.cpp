@@ -6,7 +6,8 @@
 
 namespace slamd::simulate {
 
-SimulatedSource::SimulatedSource(const Scene& scene) : stream_(scene), imu_(scene.imu()) {
+SimulatedSource::SimulatedSource(const Scene& scene) : stream_(scene), imu_(scene.imu()),
+      wheels_(scene.motion(), kWheel_hz, scene.drive().wheel_errors, scene.drive().seed) {
   if (scene.drive().faults) {
     injector_.emplace(*scene.drive().faults, std::ceil(scene.motion().duration_s()));
   }
@@ -49,6 +50,16 @@ bool SimulatedSource::next_imu(sensor::ImuSample& sample) {
     }
   }
   return false;
+}
+
+bool SimulatedSource::next_wheel(sensor::WheelSample& sample) {
+  double t_s = 0.0;
+  WheelReading reading;
+  if (!wheels_.next(t_s, reading)) {
+    return false;
+  }
+  sample = {stamp_at(t_s), through_text(reading.v_mps, "%.5f"), through_text(reading.w_radps, "%.6f")};
+  return true;
 }
 
 evaluation::Trajectory truth_of(const Motion& motion) {

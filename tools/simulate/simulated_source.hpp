@@ -17,6 +17,7 @@ class SimulatedSource : public replay::PacketSource {
 
   bool next(recording::Packet& packet) override;
   bool next_imu(sensor::ImuSample& sample) override;
+  bool next_wheel(sensor::WheelSample& sample) override;
   double progress() const override { return stream_.progress(); }
 
   /// What was done to what was given out; nullptr without faults.
@@ -30,6 +31,7 @@ class SimulatedSource : public replay::PacketSource {
 
   PacketStream stream_;
   InertialSensor imu_;
+  WheelSensor wheels_;
   std::optional<FaultInjector> injector_;
   std::deque<Damaged> damaged_;  // the first was given out
   bool more_ = true;
