@@ -17,11 +17,12 @@ __attribute__((target("avx2,bmi"))) void search_cells_avx2(std::span<const CellV
                                                            std::size_t first,
                                                            const Eigen::Vector3f& query,
                                                            Nearest& best) {
+  Nearest held = best;  // in registers
   const __m256 qx = _mm256_set1_ps(query.x());
   const __m256 qy = _mm256_set1_ps(query.y());
   const __m256 qz = _mm256_set1_ps(query.z());
   for (std::size_t v = first; v < visits.size(); ++v) {
-    if (visits[v].gap_sq_m2 >= best.limit_sq_m2()) {
+    if (visits[v].gap_sq_m2 >= held.limit_sq_m2()) {
       continue;
     }
     const PointCell& cell = *visits[v].cell;
@@ -33,7 +34,7 @@ __attribute__((target("avx2,bmi"))) void search_cells_avx2(std::span<const CellV
       const __m256 dz = _mm256_sub_ps(_mm256_load_ps(group.z_m), qz);
       const __m256 distance_sq =
           _mm256_add_ps(_mm256_add_ps(_mm256_mul_ps(dx, dx), _mm256_mul_ps(dy, dy)), _mm256_mul_ps(dz, dz));
-      const __m256 nearer = _mm256_cmp_ps(distance_sq, _mm256_set1_ps(best.limit_sq_m2()), _CMP_LT_OQ);
+      const __m256 nearer = _mm256_cmp_ps(distance_sq, _mm256_set1_ps(held.limit_sq_m2()), _CMP_LT_OQ);
       auto mask = static_cast<std::uint32_t>(_mm256_movemask_ps(nearer));
       if (mask == 0) {
         continue;
@@ -43,10 +44,11 @@ __attribute__((target("avx2,bmi"))) void search_cells_avx2(std::span<const CellV
       const std::uint32_t place = static_cast<std::uint32_t>(v) * PointCell::kMaxPoints + g * kLanes;
       for (; mask != 0; mask &= mask - 1) {
         const auto i = static_cast<std::uint32_t>(__builtin_ctz(mask));
-        best.offer(Nearest::key_of(lane[i], place + i));
+        held.offer(Nearest::key_of(lane[i], place + i));
       }
     }
   }
+  best = held;
 }
 #elif defined(__aarch64__)
 float32x4_t distance_sq_of(const float* x_m, const float* y_m, const float* z_m, const Eigen::Vector3f& query) {

@@ -1,6 +1,7 @@
 #include "core/map/point_grid.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "core/base/fixed_vector.hpp"
 
@@ -11,6 +12,9 @@ namespace {
 constexpr std::uint32_t kNone = CellTable<PointCell>::kNone;
 constexpr std::size_t kAround = 27;
 constexpr std::size_t kMiddle = 13;
+
+/// What a step along x, y or z adds to a neighbour's number.
+constexpr std::array<std::int32_t, 3> kNumberSteps = {9, 3, 1};
 
 /// A neighbour's number among the 27: (x, y, z) of −1, 0, 1. The opposite one's is 26 minus it.
 constexpr std::size_t number_of(std::int32_t x, std::int32_t y, std::int32_t z) {
@@ -35,9 +39,6 @@ constexpr std::array<Step, kAround> all_steps() {
 
 constexpr std::array<Step, kAround> kSteps = all_steps();
 
-/// The cells of the nearest octant, of which `bits` says which axes are left: faces first, the corner last.
-constexpr std::array<std::uint8_t, 7> kOctant = {0b001, 0b010, 0b100, 0b011, 0b101, 0b110, 0b111};
-
 }  // namespace
 
 PointGrid::PointGrid(float cell_m, std::size_t max_cells)
@@ -53,6 +54,15 @@ void PointGrid::clear() { cells_.clear(); }
 
 void PointGrid::forget_before(float path_m) {
   cells_.forget_before(path_m, [this](std::uint32_t place) { withdraw(place); });
+}
+
+void PointGrid::insert(std::span<const Eigen::Vector3f> points_odom, float path_m) {
+  for (std::size_t i = 0; i < points_odom.size(); ++i) {
+    if (i + kAhead < points_odom.size()) {
+      prefetch(points_odom[i + kAhead]);
+    }
+    insert(points_odom[i], path_m);
+  }
 }
 
 void PointGrid::insert(const Eigen::Vector3f& p_odom, float path_m) {
@@ -114,24 +124,35 @@ Neighbours PointGrid::nearest(const Eigen::Vector3f& query_odom, float radius_m)
 
   // Squared distance to the layers of cells on both sides of the query's, by axis and step.
   float gap_sq[3][3];
-  std::int32_t nearer[3];
+  struct Side {
+    float gap_sq;
+    std::int32_t number_step;
+  };
+  std::array<Side, 3> near;  // of each axis, the nearest first
   float least_far_sq = radius_sq;
-  for (int axis = 0; axis < 3; ++axis) {
-    const float fraction = query_odom[axis] * inverse_cell_ - static_cast<float>(cell[axis]);
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const float fraction = query_odom[static_cast<Eigen::Index>(axis)] * inverse_cell_ - static_cast<float>(cell[axis]);
     const float below = cell_m_ * fraction;
     const float above = cell_m_ * (1.0F - fraction);
-    nearer[axis] = fraction < 0.5F ? -1 : 1;
     gap_sq[axis][0] = below * below;
     gap_sq[axis][1] = 0.0F;
     gap_sq[axis][2] = above * above;
-    least_far_sq = std::min(least_far_sq, std::max(gap_sq[axis][0], gap_sq[axis][2]));
+    const bool down = fraction < 0.5F;
+    near[axis] = {gap_sq[axis][down ? 0 : 2], down ? -kNumberSteps[axis] : kNumberSteps[axis]};
+    least_far_sq = std::min(least_far_sq, gap_sq[axis][down ? 2 : 0]);
   }
+  const auto sort_two = [&](std::size_t a, std::size_t b) {
+    if (near[b].gap_sq < near[a].gap_sq) {
+      std::swap(near[a], near[b]);
+    }
+  };
+  sort_two(0, 1);
+  sort_two(1, 2);
+  sort_two(0, 1);
 
   Nearest best(radius_sq);
   FixedVector<CellVisit, kAround> visits;
-  const auto visit = [&](std::size_t i) {
-    const Step& step = kSteps[i];
-    const float gap = gap_sq[0][step.x + 1] + gap_sq[1][step.y + 1] + gap_sq[2][step.z + 1];
+  const auto visit = [&](std::size_t i, float gap) {
     if (gap >= best.limit_sq_m2()) {
       return;
     }
@@ -144,18 +165,25 @@ Neighbours PointGrid::nearest(const Eigen::Vector3f& query_odom, float radius_m)
     visits.push_back({&cells_[middle], 0.0F});
   }
   std::uint32_t seen = 1U << kMiddle;
-  for (const std::uint8_t bits : kOctant) {
-    const std::size_t i = number_of((bits & 1) != 0 ? nearer[0] : 0, (bits & 2) != 0 ? nearer[1] : 0,
-                                    (bits & 4) != 0 ? nearer[2] : 0);
-    seen |= 1U << i;
-    visit(i);
+  for (std::uint32_t bits = 1; bits < 8; ++bits) {
+    std::int32_t number = kMiddle;
+    float gap = 0.0F;
+    for (std::uint32_t axis = 0; axis < 3; ++axis) {
+      if ((bits & (1U << axis)) != 0) {
+        number += near[axis].number_step;
+        gap += near[axis].gap_sq;
+      }
+    }
+    seen |= 1U << number;
+    visit(static_cast<std::size_t>(number), gap);
   }
   const std::span<const CellVisit> in_octant(visits.begin(), visits.size());
   search_(in_octant, 0, query_odom, best);
   if (best.limit_sq_m2() > least_far_sq) {
     for (std::size_t i = 0; i < kAround; ++i) {
       if ((seen & (1U << i)) == 0) {
-        visit(i);
+        const Step& step = kSteps[i];
+        visit(i, gap_sq[0][step.x + 1] + gap_sq[1][step.y + 1] + gap_sq[2][step.z + 1]);
       }
     }
     search_({visits.begin(), visits.size()}, in_octant.size(), query_odom, best);

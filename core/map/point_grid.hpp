@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 
 #include <Eigen/Core>
 
@@ -23,17 +24,26 @@ class PointGrid {
  public:
   PointGrid(float cell_m, std::size_t max_cells);
 
-  /// Takes a point in unless its sub-cube holds one, and marks its cell as touched at `path_m`.
-  void insert(const Eigen::Vector3f& p_odom, float path_m);
-
-  /// Brings what `insert` looks at first nearer to the processor.
-  void prefetch(const Eigen::Vector3f& p_odom) const { cells_.prefetch(key_of(p_odom, inverse_cell_)); }
+  /// Takes points in, each unless its sub-cube holds one, and marks their cells as touched at `path_m`.
+  void insert(std::span<const Eigen::Vector3f> points_odom, float path_m);
 
   /// Drops the cells last touched before `path_m`.
   void forget_before(float path_m);
 
   /// Finds the nearest stored points, nearest first: exact within `radius_m` ≤ cell_m.
   Neighbours nearest(const Eigen::Vector3f& query_odom, float radius_m) const;
+
+  /// So many queries or points ahead `prefetch` serves best.
+  static constexpr std::ptrdiff_t kAhead = 6;
+
+  /// Brings what `nearest` and `insert` will look at nearer to the processor.
+  void prefetch(const Eigen::Vector3f& p_odom) const {
+    const std::uint32_t place = cells_.place_of(key_of(p_odom, inverse_cell_));
+    if (place != CellTable<PointCell>::kNone) {
+      cells_.prefetch(place);
+      __builtin_prefetch(&surroundings_[place]);
+    }
+  }
 
   void clear();
   std::size_t cells() const { return cells_.size(); }
@@ -55,6 +65,7 @@ class PointGrid {
     std::array<std::uint32_t, 27> places;
   };
 
+  void insert(const Eigen::Vector3f& p_odom, float path_m);
   void introduce(std::uint32_t place, const Eigen::Vector3f& p_odom);
   void withdraw(std::uint32_t place);
 

@@ -23,23 +23,24 @@ void VoxelMap::insert(std::span<const Eigen::Vector3f> points_odom, double path_
   for (auto& level : surfaces_) {
     level.forget_before(oldest);
   }
-  constexpr std::size_t kAhead = 8;
-  for (std::size_t i = 0; i < points_odom.size(); ++i) {
-    if (i + kAhead < points_odom.size()) {
-      prefetch(points_odom[i + kAhead]);
-    }
-    const Eigen::Vector3f& p = points_odom[i];
-    grid_.insert(p, path);
-    for (std::size_t level = 0; level < kSurfaceLevels; ++level) {
-      surfaces_[level].touch(key_of(p, inverse_surface_cell_[level]), path).add(p);
-    }
+  grid_.insert(points_odom, path);
+  for (std::size_t level = 0; level < kSurfaceLevels; ++level) {
+    insert_surfaces(points_odom, path, level);
   }
 }
 
-void VoxelMap::prefetch(const Eigen::Vector3f& p_odom) const {
-  grid_.prefetch(p_odom);
-  for (std::size_t level = 0; level < kSurfaceLevels; ++level) {
-    surfaces_[level].prefetch(key_of(p_odom, inverse_surface_cell_[level]));
+void VoxelMap::insert_surfaces(std::span<const Eigen::Vector3f> points_odom, float path_m, std::size_t level) {
+  constexpr std::size_t kAhead = 6;
+  CellTable<SurfaceCell>& cells = surfaces_[level];
+  const float inverse_side = inverse_surface_cell_[level];
+  for (std::size_t i = 0; i < points_odom.size(); ++i) {
+    if (i + kAhead < points_odom.size()) {
+      const std::uint32_t place = cells.place_of(key_of(points_odom[i + kAhead], inverse_side));
+      if (place != CellTable<SurfaceCell>::kNone) {
+        cells.prefetch(place);
+      }
+    }
+    cells.touch(key_of(points_odom[i], inverse_side), path_m).add(points_odom[i]);
   }
 }
 

@@ -43,6 +43,9 @@ class VoxelMap {
     return grid_.nearest(query_odom, radius_m);
   }
 
+  /// Brings what `nearest` will look at nearer to the processor, some queries ahead.
+  void prefetch(const Eigen::Vector3f& query_odom) const { grid_.prefetch(query_odom); }
+
   /// Returns the surface cell around a point, or nullptr where nothing is known. O(1).
   const SurfaceCell* surface(const Eigen::Vector3f& query_odom, std::size_t level) const;
 
@@ -62,7 +65,7 @@ class VoxelMap {
   }
 
  private:
-  void prefetch(const Eigen::Vector3f& p_odom) const;
+  void insert_surfaces(std::span<const Eigen::Vector3f> points_odom, float path_m, std::size_t level);
 
   VoxelMapConfig config_;
   std::array<float, kSurfaceLevels> inverse_surface_cell_{};

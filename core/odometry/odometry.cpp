@@ -37,7 +37,7 @@ void Odometry::begin() {
   map_.clear();
   psf_.reset();
   rate_imu_radps_.setZero();
-  wheels_.separate(0, inertial::ErrorState::RowsAtCompileTime);  // the scale is the vehicle's, and stays
+  wheels_.separate(0, inertial::kErrorStates);  // the scale is the vehicle's, and stays
   waiting_gyro_bias_.setZero();
   coasting_ = false;
   path_m_ = 0.0;

@@ -72,6 +72,17 @@ Eigen::Vector3f tilt_of(const Neighbours& neighbours, const PrincipalAxes& axes)
   return std::sqrt(across_sq / (n * axes.lambda[1])) * axes.vectors.col(1);
 }
 
+/// Brings the map around a later feature nearer to the processor.
+void look_ahead(const FeaturePoint& feature,
+                const BoundedVector<FeaturePoint>& features,
+                const Eigen::Matrix3f& R,
+                const Eigen::Vector3f& t,
+                const map::VoxelMap& map) {
+  if (features.end() - &feature > map::PointGrid::kAhead) {
+    map.prefetch(R * (&feature + map::PointGrid::kAhead)->p_imu + t);
+  }
+}
+
 /// Adds the plane through `centre` with normal n unless the point is too far from it.
 void add_if_near(const FeaturePoint& feature,
                  const Eigen::Vector3f& p_odom,
@@ -101,6 +112,7 @@ void associate(const scan::DeskewedScan& scan,
   const Eigen::Vector3f t = T_odom_imu.translation().cast<float>();
   out.clear();
   for (const FeaturePoint& feature : scan.planar) {
+    look_ahead(feature, scan.planar, R, t, map);
     const Eigen::Vector3f p_odom = R * feature.p_imu + t;
     const Neighbours neighbours = map.nearest(p_odom, config.search_radius_m);
     if (neighbours.count == Neighbours::kMax) {
@@ -118,6 +130,7 @@ void associate(const scan::DeskewedScan& scan,
     }
   }
   for (const FeaturePoint& feature : scan.edge) {
+    look_ahead(feature, scan.edge, R, t, map);
     const Eigen::Vector3f p_odom = R * feature.p_imu + t;
     const Neighbours neighbours = map.nearest(p_odom, config.search_radius_m);
     if (neighbours.count < Neighbours::kMax) {
