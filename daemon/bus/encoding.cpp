@@ -26,7 +26,11 @@ constexpr std::size_t kLongestReply_bytes = 1000;
 /// length below one, and would throw or overflow.
 class Walk {
  public:
-  explicit Walk(std::span<const std::byte> message) : message_(message) { skip(kFingerprint_bytes); }
+  /// LCM 1.3.1 gives a datagram whose channel name has no end a size below zero, which is some 4 GB here: what is larger
+  /// than a message may be is not looked into.
+  explicit Walk(std::span<const std::byte> message) : message_(message), inside_(message.size() <= kLargestMessage_bytes) {
+    skip(kFingerprint_bytes);
+  }
 
   void skip(std::size_t bytes) {
     inside_ = inside_ && bytes <= message_.size() - at_;
@@ -53,7 +57,7 @@ class Walk {
  private:
   std::span<const std::byte> message_;
   std::size_t at_ = 0;
-  bool inside_ = true;
+  bool inside_;
 };
 
 template <typename Message>

@@ -349,5 +349,14 @@ TEST(Names, CountAsTheOdometrysDo) {
   EXPECT_EQ(int(Cause::kDegenerate), int(odometry::Cause::kDegenerate));
 }
 
+// What LCM makes of a datagram that is cut inside its channel's name.
+TEST(Encoding, DoesNotBelieveASizeThatNoMessageHas) {
+  std::vector<std::byte> bytes(kLargestMessage_bytes, std::byte{0x7F});
+  const std::span<const std::byte> lie(bytes.data(), 0xFFFFFFF0U);
+
+  EXPECT_FALSE(decode_command(lie));
+  EXPECT_FALSE(decode_reply(lie));
+}
+
 }  // namespace
 }  // namespace slamd::bus
