@@ -7,6 +7,8 @@
 #include <CLI/CLI.hpp>
 
 #include "tools/bench/campaign_page.hpp"
+#include "tools/bench/neighbour_peers.hpp"
+#include "tools/bench/neighbour_speed.hpp"
 #include "tools/bench/ray_speed.hpp"
 #include "tools/cli/cli.hpp"
 
@@ -20,6 +22,7 @@ struct Options {
   std::string out;
   std::vector<std::string> overrides;
   std::uint64_t seed = 1;
+  int scans = 20;
 };
 
 void write(const std::string& text, const fs::path& file) {
@@ -56,11 +59,29 @@ int run_rays(const Options& options) {
   return 0;
 }
 
+int run_neighbours(const Options& options) {
+  if (bench::neighbour_peers().empty()) {
+    throw std::runtime_error("built without PCL and nanoflann to compare with: tools/setup --bench installs them; "
+                             "configure and build again");
+  }
+  for (const bench::NeighbourCase& sizes : bench::neighbour_cases()) {
+    bench::NeighbourTable table;
+    {
+      cli::Progress progress(sizes.name);
+      table = bench::measure_neighbours(sizes, options.seed, options.scans, [&](double share) { progress.show(share); });
+    }
+    std::fputs(bench::text_of(table).c_str(), stdout);
+    std::fflush(stdout);
+  }
+  return 0;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   Options options;
   CLI::App* campaign = nullptr;
+  CLI::App* neighbours = nullptr;
   return cli::run_program(
       argc, argv, "slamd-bench", "Measures slamd.",
       [&](CLI::App& app) {
@@ -74,6 +95,17 @@ int main(int argc, char** argv) {
         campaign->add_option("--set", options.overrides, "key=value of slamd's configuration")->take_all();
         CLI::App* rays = app.add_subcommand("rays", "Speed of the simulator's ray casting on one core, by world");
         rays->add_option("--seed", options.seed, "Of the worlds")->capture_default_str();
+        neighbours = app.add_subcommand(
+            "neighbours", "The map's neighbour search beside PCL's KdTreeFLANN and nanoflann: CPU time, ratios, recall");
+        neighbours->add_option("--seed", options.seed, "Of the world")->capture_default_str();
+        neighbours->add_option("--scans", options.scans, "To take the median over")
+            ->check(CLI::Range(1, 500))
+            ->capture_default_str();
       },
-      [&] { return campaign->parsed() ? run_campaign(options) : run_rays(options); });
+      [&] {
+        if (campaign->parsed()) {
+          return run_campaign(options);
+        }
+        return neighbours->parsed() ? run_neighbours(options) : run_rays(options);
+      });
 }
