@@ -77,3 +77,21 @@ if(SLAMD_WITH_ROSBAG)
       TRIPWIRES rosbag/bag.h rosbag/view.h)
   endif()
 endif()
+
+# Optional: what slamd-bench compares its neighbour search with (tools/setup --bench). PCL's own CMake package asks for
+# all that PCL can use; its kd-tree needs two of its libraries.
+find_path(PCL_INCLUDE pcl/kdtree/kdtree_flann.h PATH_SUFFIXES pcl-1.13 pcl-1.14 pcl-1.15)
+find_path(FLANN_INCLUDE flann/flann.hpp)
+find_path(NANOFLANN_INCLUDE nanoflann.hpp)
+foreach(library pcl_kdtree pcl_common flann_cpp)
+  find_library(PEER_${library}_LIBRARY ${library})
+endforeach()
+set(peer_parts ${PCL_INCLUDE} ${FLANN_INCLUDE} ${PEER_pcl_kdtree_LIBRARY} ${PEER_pcl_common_LIBRARY}
+  ${PEER_flann_cpp_LIBRARY} ${NANOFLANN_INCLUDE})
+if(peer_parts MATCHES "NOTFOUND" OR CMAKE_CROSSCOMPILING)
+  message(STATUS "PCL and nanoflann: not found (tools/setup --bench); slamd-bench compares its search with nothing")
+else()
+  slamd_third_party(pcl_kdtree LIBRARIES ${PEER_pcl_kdtree_LIBRARY} ${PEER_pcl_common_LIBRARY} ${PEER_flann_cpp_LIBRARY}
+    lz4 INCLUDES ${PCL_INCLUDE} ${FLANN_INCLUDE} TRIPWIRES pcl/kdtree/kdtree_flann.h)
+  slamd_third_party(nanoflann INCLUDES ${NANOFLANN_INCLUDE} TRIPWIRES nanoflann.hpp)
+endif()

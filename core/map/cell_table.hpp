@@ -113,11 +113,10 @@ class CellTable {
   std::size_t capacity() const { return cells_.size(); }
   std::uint64_t recycled() const { return recycled_; }
 
-  /// How many places a cell can be at; for copies that go on while the table is in use.
-  std::size_t slots() const { return slots_.size(); }
-
-  /// Returns the cell at a place, or nullptr. A cell keeps its place but for those that move up when others are dropped.
-  const Cell* at_slot(std::size_t slot) const { return slots_[slot] == kNone ? nullptr : &cells_[slots_[slot]]; }
+  /// Returns the cell at a place below capacity(), or nullptr: for copies that are made in parts while the table is in use.
+  const Cell* at(std::uint32_t place) const {
+    return place_of(links_[place].key) == place ? &cells_[place] : nullptr;
+  }
 
   /// Calls visit(key, cell) for every cell, oldest first.
   template <typename Visit>

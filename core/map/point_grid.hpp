@@ -45,6 +45,9 @@ class PointGrid {
     }
   }
 
+  /// The cells by their places.
+  const CellTable<PointCell>& table() const { return cells_; }
+
   void clear();
   std::size_t cells() const { return cells_.size(); }
   std::uint64_t recycled() const { return cells_.recycled(); }

@@ -56,7 +56,7 @@ class VoxelMap {
   const VoxelMapConfig& config() const { return config_; }
 
   /// The fine cells by their places, for a copy that is made in parts.
-  const CellTable<PointCell>& fine_cells() const { return cells_; }
+  const CellTable<PointCell>& fine_cells() const { return grid_.table(); }
 
   /// Calls visit(p_odom) for every stored point.
   template <typename Visit>

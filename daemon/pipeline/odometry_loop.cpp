@@ -62,8 +62,8 @@ void OdometryLoop::process(JobPool::Handle job) {
   monitor_.add(end - begin, end);
 }
 
-// In parts, before a scan is looked for: a part takes a fraction of a millisecond. A cell that moves meanwhile from a
-// place that is still to come to one that was passed is not in the copy.
+// In parts, before a scan is looked for: a part takes a fraction of a millisecond. A cell that was made meanwhile at a
+// place that was passed is not in the copy.
 void OdometryLoop::copy_map() {
   const std::uint32_t wanted = rings_.map_wanted.load(std::memory_order_acquire);
   if (wanted == rings_.map_copied.load(std::memory_order_relaxed)) {
@@ -71,16 +71,16 @@ void OdometryLoop::copy_map() {
   }
   const auto& cells = stage_.odometry().map().fine_cells();
   std::size_t copied = 0;
-  for (; next_slot_ < cells.slots() && copied < kCellsAtOnce; ++next_slot_) {
-    if (const map::PointCell* cell = cells.at_slot(next_slot_)) {
+  for (; next_place_ < cells.capacity() && copied < kCellsAtOnce; ++next_place_) {
+    if (const map::PointCell* cell = cells.at(next_place_)) {
       if (!rings_.map_cells.try_push(*cell)) {
         return;  // housekeeping has to take some first
       }
       ++copied;
     }
   }
-  if (next_slot_ == cells.slots()) {
-    next_slot_ = 0;
+  if (next_place_ == cells.capacity()) {
+    next_place_ = 0;
     rings_.map_copied.store(wanted, std::memory_order_release);
   }
 }

@@ -49,7 +49,7 @@ class OdometryLoop {
   transport::HostClock clock_;
   Rings& rings_;
   stages::OdometryStage stage_;
-  std::size_t next_slot_ = 0;  // of the map that is being copied
+  std::uint32_t next_place_ = 0;  // of the map that is being copied
   OdometryCounts counts_;
   // Written by the odometry thread, read by health.
   Latest<OdometryCounts> shown_;

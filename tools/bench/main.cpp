@@ -7,6 +7,8 @@
 #include <CLI/CLI.hpp>
 
 #include "tools/bench/campaign_page.hpp"
+#include "tools/bench/neighbour_peers.hpp"
+#include "tools/bench/neighbour_speed.hpp"
 #include "tools/bench/own_network.hpp"
 #include "tools/bench/pose_latency.hpp"
 #include "tools/bench/ray_speed.hpp"
@@ -24,6 +26,7 @@ struct Options {
   std::uint64_t seed = 1;
   bench::PoseLatencyConfig pose;
   bool json = false;
+  int scans = 20;
 };
 
 void write(const std::string& text, const fs::path& file) {
@@ -85,12 +88,30 @@ int run_pose_latency(Options& options) {
   return 0;
 }
 
+int run_neighbours(const Options& options) {
+  if (bench::neighbour_peers().empty()) {
+    throw std::runtime_error("built without PCL and nanoflann to compare with: tools/setup --bench installs them; "
+                             "configure and build again");
+  }
+  for (const bench::NeighbourCase& sizes : bench::neighbour_cases()) {
+    bench::NeighbourTable table;
+    {
+      cli::Progress progress(sizes.name);
+      table = bench::measure_neighbours(sizes, options.seed, options.scans, [&](double share) { progress.show(share); });
+    }
+    std::fputs(bench::text_of(table).c_str(), stdout);
+    std::fflush(stdout);
+  }
+  return 0;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   Options options;
   CLI::App* campaign = nullptr;
   CLI::App* pose = nullptr;
+  CLI::App* neighbours = nullptr;
   return cli::run_program(
       argc, argv, "slamd-bench", "Measures slamd.",
       [&](CLI::App& app) {
@@ -111,6 +132,20 @@ int main(int argc, char** argv) {
         pose->add_option("--pose-bytes", options.pose.pose_bytes, "Poses are padded to this size")->check(CLI::Range(0, 1400))->capture_default_str();
         pose->add_option("--hogs", options.pose.hogs, "Programs that only compute")->check(CLI::Range(1, 64))->capture_default_str();
         pose->add_flag("--json", options.json, "Print JSON");
+        neighbours = app.add_subcommand(
+            "neighbours", "The map's neighbour search beside PCL's KdTreeFLANN and nanoflann: CPU time, ratios, recall");
+        neighbours->add_option("--seed", options.seed, "Of the world")->capture_default_str();
+        neighbours->add_option("--scans", options.scans, "To take the median over")
+            ->check(CLI::Range(1, 500))
+            ->capture_default_str();
       },
-      [&] { return campaign->parsed() ? run_campaign(options) : pose->parsed() ? run_pose_latency(options) : run_rays(options); });
+      [&] {
+        if (campaign->parsed()) {
+          return run_campaign(options);
+        }
+        if (pose->parsed()) {
+          return run_pose_latency(options);
+        }
+        return neighbours->parsed() ? run_neighbours(options) : run_rays(options);
+      });
 }

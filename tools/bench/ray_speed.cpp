@@ -1,19 +1,13 @@
 #include "tools/bench/ray_speed.hpp"
 
 #include <cmath>
-#include <ctime>
 
+#include "tools/bench/thread_time.hpp"
 #include "tools/simulate/scene.hpp"
 
 namespace slamd::bench {
 
 namespace {
-
-double thread_cpu_s() {
-  std::timespec now{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
 
 /// Calls work(i), which returns how many rays it cast, until the time is over. Units: millions a second.
 template <typename Work>
