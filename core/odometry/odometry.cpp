@@ -14,7 +14,30 @@ using inertial::kGyroBias;
 using inertial::kPosition;
 using inertial::kRotation;
 using inertial::kVelocity;
+using inertial::NavState;
 using scan::DeskewedScan;
+
+namespace {
+
+/// Three samples that say the same large value to the last bit are a sensor at its limit, whatever that is.
+bool is_saturated(std::span<const sensor::ImuSample> samples) {
+  constexpr double kLeastRate_radps = 1.0;
+  constexpr double kLeastForce_mps2 = 12.0;
+  const auto stuck = [](double a, double b, double c, double least) { return a == b && b == c && std::abs(a) > least; };
+  for (std::size_t i = 2; i < samples.size(); ++i) {
+    for (int axis = 0; axis < 3; ++axis) {
+      if (stuck(samples[i - 2].angular_rate_radps[axis], samples[i - 1].angular_rate_radps[axis],
+                samples[i].angular_rate_radps[axis], kLeastRate_radps) ||
+          stuck(samples[i - 2].specific_force_mps2[axis], samples[i - 1].specific_force_mps2[axis],
+                samples[i].specific_force_mps2[axis], kLeastForce_mps2)) {
+        return true;
+      }
+    }
+  }
+  return false;
+}
+
+}  // namespace
 
 Odometry::Odometry(const OdometryConfig& config)
     : config_(config),
@@ -42,11 +65,14 @@ void Odometry::begin() {
   coasting_ = false;
   path_m_ = 0.0;
   bad_scans_ = 0;
+  confirmed_ = true;
+  agreeing_scans_ = unconfirmed_scans_ = unmet_scans_ = restart_said_ = 0;
+  last_scan_end_ = Stamp{};
 }
 
 void Odometry::start_without_imu(Stamp stamp) {
   begin();
-  state_ = inertial::NavState{};
+  state_ = NavState{};
   state_.stamp = stamp;
   P_.setIdentity();
   P_ *= 1e-8;
@@ -61,15 +87,29 @@ OdometryResult Odometry::process(const DeskewedScan& scan,
   environment_.add(scan.median_range_m);
   const Cause prediction_cause = predict(scan.end, samples, wheels);             // 1
   if (map_.empty()) {
+    last_scan_end_ = scan.end;
     extend_map(scan);
     UpdateResult nothing;
     nothing.state = state_;
     nothing.P = P_;
     return result_of(scan, prediction_cause, nothing);
   }
+  if (lost_the_thread(scan, prediction_cause)) {
+    confirmed_ = false;
+    agreeing_scans_ = 0;
+  }
+  last_scan_end_ = scan.end;
   psf::Answer swarm;
-  const UpdateResult posterior = update(scan, prediction_cause, swarm);          // 1–8
-  const Cause update_cause = judge(posterior);                                   // 9, 10
+  const NavState predicted = state_;
+  const inertial::Covariance P_predicted = P_;
+  UpdateResult posterior = update(scan, prediction_cause, swarm);          // 1–8
+  if (!confirmed_ && posterior.matched_ratio < config_.confirming_matched_ratio) {
+    // What little of the old map it meets may be the wrong part of it.
+    posterior.state = predicted;
+    posterior.P = P_ = P_predicted;
+    posterior.enough = false;
+  }
+  const Cause update_cause = confirm(posterior, judge(posterior));               // 9, 10
   const double moved_m = (posterior.state.T_odom_imu.translation() - state_.T_odom_imu.translation()).norm();
   path_m_ += moved_m;
   if (posterior.enough) {
@@ -77,11 +117,14 @@ OdometryResult Odometry::process(const DeskewedScan& scan,
   }
   state_ = posterior.state;
   P_ = posterior.P;
-  const bool trusted = update_cause == Cause::kNone || update_cause == Cause::kDegenerate;
+  const bool trusted = confirmed_ && (update_cause == Cause::kNone || update_cause == Cause::kDegenerate ||
+                                      update_cause == Cause::kMapRestarted);
   if (trusted) {
     extend_map(scan);
   }
-  OdometryResult result = result_of(scan, update_cause == Cause::kNone ? prediction_cause : update_cause, posterior);
+  const bool prediction_says_more =
+      update_cause == Cause::kNone || (update_cause == Cause::kUnconfirmed && prediction_cause != Cause::kNone);
+  OdometryResult result = result_of(scan, prediction_says_more ? prediction_cause : update_cause, posterior);
   result.map_updated = trusted;
   result.swarm = swarm;
   return result;
@@ -107,7 +150,8 @@ Cause Odometry::predict(Stamp to,
       cause = samples[i + 1].stamp - samples[i].stamp > config_.max_imu_gap ? Cause::kImuGap : cause;
     }
     cause = to - samples.back().stamp > config_.max_imu_gap ? Cause::kImuGap : cause;
-    if (cause == Cause::kImuGap) {
+    cause = is_saturated(samples) ? Cause::kSaturated : cause;
+    if (cause == Cause::kImuGap || cause == Cause::kSaturated) {
       // Nobody knows what happened meanwhile.
       P_.diagonal().segment<3>(kVelocity).array() += 0.25;
       P_.diagonal().segment<3>(kPosition).array() += 0.01;
@@ -156,7 +200,7 @@ UpdateResult Odometry::update(const DeskewedScan& scan, Cause prediction_cause, 
   question.P_prior = P_.block<6, 6>(kPosition, kPosition);
   question.T_odom_imu_plain = plain.state.T_odom_imu;
   question.indoor = environment_.indoor();
-  question.distrust_prior = prediction_cause == Cause::kImuGap || contradiction_of(plain) != Cause::kNone;
+  question.distrust_prior = !confirmed_ || prediction_cause == Cause::kImuGap || contradiction_of(plain) != Cause::kNone;
   question.scan_index = scan.index;
   swarm = psf_.answer(swarm_points(scan), map_, question);
   if (!swarm.swarm_won) {
@@ -186,6 +230,36 @@ Cause Odometry::contradiction_of(const UpdateResult& update) const {
     return Cause::kLargeInnovation;
   }
   return Cause::kNone;
+}
+
+// A map that grows at a wrong pose agrees with it ever after. So after anything that may have moved the vehicle unseen
+// the map stays as it was until it has agreed.
+bool Odometry::lost_the_thread(const DeskewedScan& scan, Cause prediction_cause) const {
+  return prediction_cause == Cause::kSaturated || scan.begin - last_scan_end_ > config_.max_scan_gap ||
+         bad_scans_ > config_.lost_after;
+}
+
+Cause Odometry::confirm(const UpdateResult& update, Cause update_cause) {
+  restart_said_ = std::max(0, restart_said_ - 1);
+  if (confirmed_) {
+    unconfirmed_scans_ = unmet_scans_ = 0;
+    return update_cause == Cause::kNone && restart_said_ > 0 ? Cause::kMapRestarted : update_cause;
+  }
+  const bool agrees = update_cause == Cause::kNone && update.matched_ratio >= config_.confirming_matched_ratio;
+  agreeing_scans_ = agrees ? agreeing_scans_ + 1 : 0;
+  if (agreeing_scans_ >= config_.confirming_scans) {
+    confirmed_ = true;
+    return update_cause;
+  }
+  ++unconfirmed_scans_;
+  unmet_scans_ = update.matched_ratio < config_.confirming_matched_ratio ? unmet_scans_ + 1 : 0;
+  if (unconfirmed_scans_ < config_.restart_map_after && unmet_scans_ < config_.restart_map_unmet_after) {
+    return update_cause == Cause::kNone ? Cause::kUnconfirmed : update_cause;
+  }
+  confirmed_ = true;
+  ++map_restarts_;
+  restart_said_ = config_.say_restart_for;
+  return Cause::kMapRestarted;
 }
 
 Cause Odometry::judge(const UpdateResult& update) const {
@@ -236,6 +310,7 @@ OdometryResult Odometry::result_of(const DeskewedScan& scan, Cause cause, const 
     result.weak_axes = weak_axes(update.localisability, Eigen::Matrix3d::Identity());
     result.weak_axes_base = weak_axes(update.localisability, result.T_odom_base.rotation().transpose());
   }
+  result.map_restarts = map_restarts_;
   result.indoor = environment_.indoor();
   result.update = update;
   return result;
@@ -244,7 +319,7 @@ OdometryResult Odometry::result_of(const DeskewedScan& scan, Cause cause, const 
 State Odometry::next_state(Cause cause) {
   const bool bad = cause == Cause::kFewConstraints || cause == Cause::kFewInliers || cause == Cause::kLargeInnovation;
   bad_scans_ = bad ? bad_scans_ + 1 : 0;
-  if (bad_scans_ > config_.lost_after) {
+  if (bad_scans_ > config_.lost_after || unconfirmed_scans_ > config_.lost_unconfirmed_after) {
     return State::kLost;
   }
   return cause == Cause::kNone ? State::kTracking : State::kDegraded;
@@ -270,6 +345,10 @@ const char* name_of(Cause cause) {
     case Cause::kFewInliers: return "the scan does not fit the map";
     case Cause::kLargeInnovation: return "the scan contradicts the prediction";
     case Cause::kDegenerate: return "a direction that the scan does not see";
+    case Cause::kSaturated: return "the inertial sensor is at its limit";
+    case Cause::kUnconfirmed: return "the map has not yet confirmed the pose";
+    case Cause::kMapRestarted: return "the old map was not found again, a new one begun";
+    case Cause::kNoLidar: return "no scans";
   }
   return "?";
 }

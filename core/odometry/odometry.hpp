@@ -27,6 +27,10 @@ enum class Cause : std::uint8_t {
   kFewInliers,
   kLargeInnovation,   // the scan contradicts the prediction
   kDegenerate,        // a direction that the scan does not see
+  kSaturated,         // the inertial sensor says the most that it can
+  kUnconfirmed,       // after a gap, a loss or saturation: the map has not yet agreed often enough
+  kMapRestarted,      // the old map was not found again: it goes on where the pose is believed to be
+  kNoLidar,           // no scan any more: the pose goes on from the other sensors
 };
 
 const char* name_of(State state);
@@ -51,6 +55,7 @@ struct OdometryResult {
   Localisability localisability;
   bool indoor = false;
   bool map_updated = false;
+  std::uint32_t map_restarts = 0;  // how often the old map was not found again
   psf::Answer swarm;
   UpdateResult update;
 };
@@ -88,6 +93,8 @@ class Odometry {
   void propagate(Stamp to, std::span<const sensor::ImuSample> samples);
   void coast(bool without_imu);
   UpdateResult update(const scan::DeskewedScan& scan, Cause prediction_cause, psf::Answer& swarm);
+  bool lost_the_thread(const scan::DeskewedScan& scan, Cause prediction_cause) const;
+  Cause confirm(const UpdateResult& update, Cause update_cause);
   Cause contradiction_of(const UpdateResult& update) const;
   Cause judge(const UpdateResult& update) const;
   void extend_map(const scan::DeskewedScan& scan);
@@ -108,6 +115,14 @@ class Odometry {
   Eigen::Vector3d waiting_gyro_bias_ = Eigen::Vector3d::Zero();
   double path_m_ = 0.0;
   int bad_scans_ = 0;
+  // Whether the pose hangs together with the map: not after a gap, until the map has agreed a few times.
+  bool confirmed_ = true;
+  int agreeing_scans_ = 0;
+  int unconfirmed_scans_ = 0;
+  int unmet_scans_ = 0;             // of these: in a row with little of the old map
+  int restart_said_ = 0;            // scans for which the map's restart is still said
+  std::uint32_t map_restarts_ = 0;
+  Stamp last_scan_end_{};
   // scratch, sized once
   BoundedVector<registration::Constraint> constraints_;
   BoundedVector<Eigen::Vector3f> points_odom_;

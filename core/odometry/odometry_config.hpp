@@ -41,7 +41,14 @@ struct OdometryConfig {
   double min_matched_ratio = 0.25;
   double max_innovation = 60.0;        // squared Mahalanobis length; beyond, the prediction was wrong
   Duration max_imu_gap = std::chrono::milliseconds(50);
+  Duration max_scan_gap = std::chrono::milliseconds(500);  // beyond, the map must confirm the pose before it grows
+  double confirming_matched_ratio = 0.5;  // of the features, in the map as it was
+  int confirming_scans = 3;            // that agree in a row
   int lost_after = 20;                 // scans without a trustworthy update
+  int lost_unconfirmed_after = 50;     // scans without confirmation
+  int restart_map_unmet_after = 10;    // scans that hardly meet the old map: there is nothing to wait for
+  int restart_map_after = 200;         // then the map goes on where the pose is believed to be; it is said
+  int say_restart_for = 100;           // scans
 };
 
 }  // namespace slamd::odometry

@@ -144,7 +144,7 @@ std::optional<Pose> decode_pose(std::span<const std::byte> bytes) {
   }
   const auto T_odom_base = read_transform(message.position_odom_m, message.quaternion_odom_base);
   const auto state = read_enum(message.state, State::kRelocalising);
-  const auto cause = read_enum(message.cause, Cause::kDegenerate);
+  const auto cause = read_enum(message.cause, Cause::kNoLidar);
   if (!T_odom_base || !state || !cause) {
     return std::nullopt;
   }

@@ -40,6 +40,10 @@ const char* name_of(Cause cause) {
     case Cause::kFewInliers: return "few inliers";
     case Cause::kLargeInnovation: return "large innovation";
     case Cause::kDegenerate: return "degenerate";
+    case Cause::kSaturated: return "saturated";
+    case Cause::kUnconfirmed: return "unconfirmed";
+    case Cause::kMapRestarted: return "map restarted";
+    case Cause::kNoLidar: return "no lidar";
   }
   return "?";
 }

@@ -34,6 +34,10 @@ enum class Cause : std::uint8_t {
   kFewInliers,
   kLargeInnovation,
   kDegenerate,
+  kSaturated,
+  kUnconfirmed,
+  kMapRestarted,
+  kNoLidar,
 };
 
 /// The names that people and --json see: "TRACKING"; "few inliers".

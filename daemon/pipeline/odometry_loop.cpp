@@ -35,7 +35,8 @@ void OdometryLoop::process(JobPool::Handle job) {
   job->processed = true;
   const odometry::OdometryResult& result = job->result;
   const odometry::Odometry& odometry = stage_.odometry();
-  job->anchor = {odometry.state(), odometry.covariance(), result.state, result.cause, result.weak_axes, job->scan.epoch};
+  job->anchor = {odometry.state(), odometry.covariance(), result.state, result.cause, result.weak_axes, job->scan.epoch,
+                 result.map_restarts};
   rings_.feedback.try_push(stage_.feedback());  // twice as long as the jobs that can be under way
 
   if (result.state != counts_.state || result.cause != counts_.cause) {

@@ -33,6 +33,7 @@ void PoseStage::add_anchor(const Anchor& anchor) {
   reset_counter_ += begins_anew ? 1 : 0;
   const NavState shown_before = blended(state_);
   has_anchor_ = true;
+  reset_counter_ += anchor.map_restarts - anchor_.map_restarts;
   anchor_ = anchor;
   imu_.drop_before(anchor.state.stamp);
   const Matrix6d P_before = P_.block<6, 6>(inertial::kPosition, inertial::kPosition);
@@ -113,6 +114,10 @@ PredictedPose PoseStage::shown(const NavState& state, const Eigen::Vector3d& rat
   pose.reset_counter = reset_counter_;
   pose.state = anchor_.odometry_state;
   pose.cause = anchor_.cause;
+  if (state.stamp - anchor_.state.stamp > kNoScan) {
+    pose.state = pose.state == odometry::State::kTracking ? odometry::State::kDegraded : pose.state;
+    pose.cause = odometry::Cause::kNoLidar;
+  }
   pose.weak_axes = anchor_.weak_axes;
   return pose;
 }

@@ -17,6 +17,7 @@ struct Anchor {
   odometry::Cause cause = odometry::Cause::kAligning;
   std::uint8_t weak_axes = 0;
   std::uint32_t epoch = 1;  // of odom: another one than before is another odom
+  std::uint32_t map_restarts = 0;
 };
 
 /// The pose at one inertial sample.
@@ -43,6 +44,8 @@ struct PredictedPose {
 class PoseStage {
  public:
   static constexpr double kLargeCorrection_m = 0.2;
+  /// So long after the last scan the pose lives on the inertial sensor alone, and says so.
+  static constexpr Duration kNoScan = std::chrono::milliseconds(500);
 
   PoseStage(const odometry::OdometryConfig& config, Duration blend);
 

@@ -9,8 +9,8 @@ using sensor::ImuSample;
 
 namespace {
 
-/// Inertial samples that one scan carries to the odometry: a second at 1 kHz and more.
-constexpr std::size_t kMaxImuPerScan = 2048;
+/// Inertial samples that one scan carries to the odometry: a silence of the LiDAR of twenty seconds at 200 Hz.
+constexpr std::size_t kMaxImuPerScan = 4096;
 /// The same of the wheels: ten seconds at 100 Hz.
 constexpr std::size_t kMaxWheelsPerScan = 1024;
 

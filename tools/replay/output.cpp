@@ -82,7 +82,7 @@ ordered_json states_of(const Run& run) {
 }
 
 void write_scan_header(std::FILE* file) {
-  std::fputs("timestamp_ns,state,cause,weak_axes,weak_x,weak_y,weak_z,share,raw_share", file);
+  std::fputs("timestamp_ns,state,cause,weak_axes,weak_x,weak_y,weak_z,share,raw_share,matched,inliers", file);
   for (int row = 0; row < 6; ++row) {
     for (int column = row; column < 6; ++column) {
       std::fprintf(file, ",P%d%d", row, column);
@@ -94,9 +94,9 @@ void write_scan_header(std::FILE* file) {
 /// A scan's state and covariance; the same order as pose_covariance of pose_t.
 void write_scan_row(std::FILE* file, const odometry::OdometryResult& result) {
   const odometry::Localisability& weak = result.localisability;
-  std::fprintf(file, "%lld,%s,%d,%d,%.4f,%.4f,%.4f,%.6f,%.6f", static_cast<long long>(result.stamp.time_since_epoch().count()),
+  std::fprintf(file, "%lld,%s,%d,%d,%.4f,%.4f,%.4f,%.6f,%.6f,%.4f,%.4f", static_cast<long long>(result.stamp.time_since_epoch().count()),
                name_of(result.state), static_cast<int>(result.cause), result.weak_axes, weak.weakest_odom.x(),
-               weak.weakest_odom.y(), weak.weakest_odom.z(), weak.share, weak.raw_share);
+               weak.weakest_odom.y(), weak.weakest_odom.z(), weak.share, weak.raw_share, result.update.matched_ratio, result.update.inlier_ratio);
   for (int row = 0; row < 6; ++row) {
     for (int column = row; column < 6; ++column) {
       std::fprintf(file, ",%.6e", result.P_odom_base(row, column));

@@ -67,5 +67,110 @@ TEST(Odometry, SaysDegradedWithItsCauseWhenTheScanMeetsNothing) {
   EXPECT_EQ(last.state, State::kLost);
 }
 
+/// An odometry without inertial sensor that stands in a room: five scans of three walls and the floor.
+struct RoomFixture {
+  OdometryConfig config;
+  scan::DeskewedScan scan;
+  Odometry sut;
+  OdometryResult last;
+
+  RoomFixture() : config(lidar_only()), scan(config.preprocess), sut(config) {
+    sut.start_without_imu(Stamp{});
+    for (int i = 0; i < 400; ++i) {
+      const float a = 0.2F * static_cast<float>(i % 20) - 2.0F;
+      const float b = 0.2F * static_cast<float>(i / 20) - 2.0F;
+      for (const Eigen::Vector3f& p : {Eigen::Vector3f(a, b, -1.0F), Eigen::Vector3f(3.0F, a, b), Eigen::Vector3f(a, 3.0F, b)}) {
+        scan.planar.push_back({p, p.norm()});
+        scan.map_points_imu.push_back(p);
+      }
+    }
+    for (int i = 0; i < 5; ++i) {
+      add(std::chrono::milliseconds(100));
+    }
+  }
+
+  static OdometryConfig lidar_only() {
+    OdometryConfig config;
+    config.use_imu = false;
+    return config;
+  }
+
+  void move_scan(const Eigen::Vector3f& by) {
+    for (scan::FeaturePoint& feature : scan.planar) {
+      feature.p_imu += by;
+    }
+    for (Eigen::Vector3f& p : scan.map_points_imu) {
+      p += by;
+    }
+  }
+
+  void add(Duration after, std::span<const sensor::ImuSample> samples = {}) {
+    scan.begin = scan.end + after - std::chrono::milliseconds(100);
+    scan.end += after;
+    ++scan.index;
+    last = sut.process(scan, samples);
+  }
+};
+
+TEST(Odometry, LetsTheMapGrowAfterABlackoutOnlyOnceTheMapHasAgreed) {
+  RoomFixture fixture;
+  ASSERT_TRUE(fixture.last.map_updated);
+
+  fixture.add(std::chrono::seconds(2));
+  EXPECT_EQ(fixture.last.state, State::kDegraded);
+  EXPECT_EQ(fixture.last.cause, Cause::kUnconfirmed);
+  EXPECT_FALSE(fixture.last.map_updated);
+  for (int i = 1; i < fixture.config.confirming_scans; ++i) {
+    fixture.add(std::chrono::milliseconds(100));
+  }
+
+  EXPECT_EQ(fixture.last.state, State::kTracking);
+  EXPECT_TRUE(fixture.last.map_updated);
+  EXPECT_EQ(fixture.last.map_restarts, 0U);
+}
+
+TEST(Odometry, BeginsTheMapAnewWhereItDoesNotMeetTheOldOneAndSaysSo) {
+  RoomFixture fixture;
+  fixture.move_scan({100.0F, 0.0F, 0.0F});
+
+  fixture.add(std::chrono::seconds(2));
+  for (int i = 1; i < fixture.config.restart_map_unmet_after; ++i) {
+    EXPECT_FALSE(fixture.last.map_updated);
+    fixture.add(std::chrono::milliseconds(100));
+  }
+
+  EXPECT_EQ(fixture.last.map_restarts, 1U);
+  EXPECT_EQ(fixture.last.state, State::kDegraded);
+  EXPECT_EQ(fixture.last.cause, Cause::kMapRestarted);
+}
+
+TEST(Odometry, DoesNotTrustAnInertialSensorAtItsLimit) {
+  OdometryConfig config;
+  Odometry sut(config);
+  RoomFixture room;
+  sut.start({});
+  std::vector<sensor::ImuSample> samples;
+  const auto samples_to = [&](Stamp end, double rate_radps) {
+    samples.clear();
+    for (Stamp now = end - std::chrono::milliseconds(100); now <= end; now += std::chrono::milliseconds(10)) {
+      samples.push_back({now, {0.0, 0.0, rate_radps}, {0.0, 0.0, inertial::kGravityMps2}});
+    }
+  };
+  scan::DeskewedScan& scan = room.scan;
+  scan.begin = Stamp{};
+  scan.end = Stamp{} + std::chrono::milliseconds(100);
+  samples_to(scan.end, 0.0);
+  sut.process(scan, samples);
+  scan.begin = scan.end;
+  scan.end += std::chrono::milliseconds(100);
+  samples_to(scan.end, 1.5);
+
+  const OdometryResult result = sut.process(scan, samples);
+
+  EXPECT_EQ(result.state, State::kDegraded);
+  EXPECT_EQ(result.cause, Cause::kSaturated);
+  EXPECT_FALSE(result.map_updated);
+}
+
 }  // namespace
 }  // namespace slamd::odometry

@@ -347,6 +347,10 @@ TEST(Names, CountAsTheOdometrysDo) {
   EXPECT_EQ(int(Cause::kFewInliers), int(odometry::Cause::kFewInliers));
   EXPECT_EQ(int(Cause::kLargeInnovation), int(odometry::Cause::kLargeInnovation));
   EXPECT_EQ(int(Cause::kDegenerate), int(odometry::Cause::kDegenerate));
+  EXPECT_EQ(int(Cause::kSaturated), int(odometry::Cause::kSaturated));
+  EXPECT_EQ(int(Cause::kUnconfirmed), int(odometry::Cause::kUnconfirmed));
+  EXPECT_EQ(int(Cause::kMapRestarted), int(odometry::Cause::kMapRestarted));
+  EXPECT_EQ(int(Cause::kNoLidar), int(odometry::Cause::kNoLidar));
 }
 
 // What LCM makes of a datagram that is cut inside its channel's name.

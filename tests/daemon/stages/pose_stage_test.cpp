@@ -49,6 +49,23 @@ TEST(PoseStage, GoesOnFromTheAnchorWithEverySample) {
   EXPECT_EQ(pose->state, odometry::State::kTracking);
 }
 
+TEST(PoseStage, SaysWhenItGoesOnWithoutScans) {
+  PoseStage sut(config(), kScan);
+  sut.add_imu(sample(0));
+  sut.add_anchor(anchor(0, 0.0));
+  const auto last_in_time = static_cast<int>(PoseStage::kNoScan / kStep);
+  std::optional<PredictedPose> pose;
+  for (int k = 1; k <= last_in_time; ++k) {
+    pose = sut.add_imu(sample(k));
+  }
+  EXPECT_EQ(pose->state, odometry::State::kTracking);
+
+  pose = sut.add_imu(sample(last_in_time + 1));
+
+  EXPECT_EQ(pose->state, odometry::State::kDegraded);
+  EXPECT_EQ(pose->cause, odometry::Cause::kNoLidar);
+}
+
 TEST(PoseStage, CatchesUpWithSamplesThatAreNewerThanALateAnchor) {
   PoseStage sut(config(), kScan);
   for (int k = 0; k <= 10; ++k) {
