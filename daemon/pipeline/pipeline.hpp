@@ -69,7 +69,7 @@ class Pipeline {
         rings_.map_copied.load(std::memory_order_acquire) == rings_.map_wanted.load(std::memory_order_relaxed);
     while (const auto cell = rings_.map_cells.try_pop()) {
       for (std::uint32_t i = 0; i < cell->count; ++i) {
-        visit(Eigen::Vector3f(cell->x_m[i], cell->y_m[i], cell->z_m[i]));
+        visit(cell->point(i));
       }
     }
     return whole;
