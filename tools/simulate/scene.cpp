@@ -59,6 +59,10 @@ sensor::ImuSample written_sample(double t_s, const InertialReading& reading) {
   return sample;
 }
 
+sensor::WheelSample written_sample(double t_s, const WheelReading& reading) {
+  return {stamp_at(t_s), through_text(reading.v_mps, kSpeedFormat), through_text(reading.w_radps, kTurnRateFormat)};
+}
+
 Scene::Scene(const Drive& drive)
     : drive_(drive),
       mounting_(mounting_of(drive.lidar)),

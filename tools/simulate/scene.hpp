@@ -5,10 +5,12 @@
 
 #include "core/base/stamp.hpp"
 #include "core/sensor/imu_sample.hpp"
+#include "core/sensor/wheel_sample.hpp"
 #include "drivers/recording/packet.hpp"
 #include "tools/simulate/drive.hpp"
 #include "tools/simulate/mid360_lidar.hpp"
 #include "tools/simulate/spinning_lidar.hpp"
+#include "tools/simulate/wheel_sensor.hpp"
 
 namespace slamd::simulate {
 
@@ -25,6 +27,10 @@ inline constexpr double kWheel_hz = 50.0;
 inline constexpr const char* kRateFormat = "%.7f";   // rad/s
 inline constexpr const char* kForceFormat = "%.6f";  // m/s²
 
+/// How odom.csv writes its speeds and turn rates.
+inline constexpr const char* kSpeedFormat = "%.5f";     // m/s
+inline constexpr const char* kTurnRateFormat = "%.6f";  // rad/s
+
 /// Who packets are sent to, as captures tell: 192.168.1.50.
 inline constexpr std::uint32_t kHostAddress = 0xC0A80132;
 
@@ -35,6 +41,9 @@ recording::Packet packet_of(const SentPacket& sent);
 
 /// A reading with the decimals that imu.csv has.
 sensor::ImuSample written_sample(double t_s, const InertialReading& reading);
+
+/// A reading with the decimals that odom.csv has.
+sensor::WheelSample written_sample(double t_s, const WheelReading& reading);
 
 /// How a drive is ridden.
 Ride ride_of(const Drive& drive);

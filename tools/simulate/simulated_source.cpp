@@ -58,7 +58,7 @@ bool SimulatedSource::next_wheel(sensor::WheelSample& sample) {
   if (!wheels_.next(t_s, reading)) {
     return false;
   }
-  sample = {stamp_at(t_s), through_text(reading.v_mps, "%.5f"), through_text(reading.w_radps, "%.6f")};
+  sample = written_sample(t_s, reading);
   return true;
 }
 
