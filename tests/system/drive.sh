@@ -51,6 +51,7 @@ sleep 1.5
 "$bin/slamd-status" --once --json >"$scratch/health.json"
 state=$?
 kill -TERM "$listener"
+wait "$listener"
 kill -TERM "$daemon"
 wait "$daemon"
 kill -TERM "$simulator"

@@ -24,7 +24,9 @@ for name in town_vlp16 town_avia indoor_vlp16_dual; do
   holds "$name: no packet is unexplained, no block refused" "$scratch/$name/report.json" \
     '(.packets | to_entries | all(.value == 0 or (.key | test("^(data|points|imu|position)$")))) and
      (.blocks | to_entries | all(.value == 0 or .key == "accepted")) and .scans_dropped == 0'
-  holds "$name: tracks to its end" "$scratch/$name/report.json" '.state == "TRACKING" and .states.TRACKING.scans == .scans'
+  # The last scan may be a sliver, and then says which direction it does not see.
+  holds "$name: tracks to its end" "$scratch/$name/report.json" \
+    '.states.TRACKING.scans >= .scans - 1 and (.state == "TRACKING" or .state == "DEGRADED")'
 done
 
 if has "einride" velodyne_packets/einride/recording.pcap; then

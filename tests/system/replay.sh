@@ -56,7 +56,7 @@ for lidar in vlp16 avia; do
 done
 
 # A capture that is cut off in the middle of a record: what came before stays as it was.
-mkdir cut && cp vlp16/recording.toml vlp16/imu.csv cut
+mkdir cut && cp vlp16/recording.toml vlp16/imu.csv vlp16/odom.csv cut
 head -c $(($(stat -c %s vlp16/lidar.pcap) * 2 / 3 + 11)) vlp16/lidar.pcap >cut/lidar.pcap
 check "a capture that is cut off replays" "$replay" --out cut_out cut
 holds "and says that it is cut off" cut_out/report.json '.remarks | any(test("ends in the middle of a record"))'
@@ -67,13 +67,13 @@ check "which are many" test "$poses" -gt 150
 
 # Packets of another sensor in the same capture: the records of one file behind those of the other.
 mkdir mixed mixed_avia
-cp vlp16/recording.toml vlp16/imu.csv mixed
+cp vlp16/recording.toml vlp16/imu.csv vlp16/odom.csv mixed
 { cat vlp16/lidar.pcap; tail -c +25 avia/lidar.pcap; } >mixed/lidar.pcap
 check "a capture with an Avia's packets among the VLP-16's replays" "$replay" --out mixed_out mixed
 check "and gives the trajectory of the VLP-16 alone" cmp mixed_out/odometry.tum vlp16_one/odometry.tum
 holds "and counts each of them as foreign" mixed_out/report.json \
   ".packets.foreign_port == $(jq '.packets.points + .packets.imu' avia_one/report.json)"
-cp avia/recording.toml avia/imu.csv mixed_avia
+cp avia/recording.toml avia/imu.csv avia/odom.csv mixed_avia
 { cat avia/lidar.pcap; tail -c +25 vlp16/lidar.pcap; } >mixed_avia/lidar.pcap
 check "a capture with a VLP-16's packets among the Avia's replays" "$replay" --out mixed_avia_out mixed_avia
 check "and gives the trajectory of the Avia alone" cmp mixed_avia_out/odometry.tum avia_one/odometry.tum
@@ -83,9 +83,9 @@ holds "and counts each of them as foreign or refused, by reason" mixed_avia_out/
 
 # Exit codes: 1 what cannot be processed, 2 usage (configuration.sh has the rest).
 refuses "a recording that is not there: exit code 1" 1 '^slamd-replay: nowhere: does not exist$' "$replay" --out x nowhere
-mkdir noise && cp vlp16/recording.toml vlp16/imu.csv noise && head -c 100000 /dev/urandom >noise/lidar.pcap
+mkdir noise && cp vlp16/recording.toml vlp16/imu.csv vlp16/odom.csv noise && head -c 100000 /dev/urandom >noise/lidar.pcap
 refuses "a capture that is none: exit code 1" 1 '^slamd-replay: noise/lidar.pcap: ' "$replay" --out x noise
-mkdir unlit && cp vlp16/recording.toml vlp16/lidar.pcap unlit
+mkdir unlit && cp vlp16/recording.toml vlp16/lidar.pcap vlp16/odom.csv unlit
 refuses "a recording without its imu.csv: exit code 1" 1 '^slamd-replay: unlit/imu.csv: does not exist' "$replay" --out x unlit
 echo 'timestamp_ns,gx_rad_s,gy_rad_s' >unlit/imu.csv
 refuses "an imu.csv without a column: exit code 1" 1 '^slamd-replay: unlit/imu.csv: .*gz_rad_s' "$replay" --out x unlit

@@ -33,7 +33,8 @@ double share(const std::string& option, const std::string& text) {
   return value;
 }
 
-double seconds(const std::string& option, const std::string& text) {
+/// Reads a time, which is a part of what was `given` to the option.
+double seconds(const std::string& option, const std::string& text, const std::string& given) {
   if (text.empty()) {
     return 0.0;
   }
@@ -48,7 +49,7 @@ double seconds(const std::string& option, const std::string& text) {
   if (unit == "s" || unit.empty()) {
     return value;
   }
-  throw cli::UsageError(option + " " + text + ": is no time (as 8ms, 0.5s)");
+  throw cli::UsageError(option + " " + given + ": is no time (as 8ms, 0.5s)");
 }
 
 /// Splits "a<mark>b". Errors: UsageError.
@@ -83,7 +84,7 @@ std::vector<Event> events(const std::string& option, const std::vector<std::stri
     if (by.empty() || at.empty()) {
       throw cli::UsageError(option + " " + text + ": is not of the form TIME@MOMENT, as 2s@30");
     }
-    list.push_back({seconds(option, at), seconds(option, by)});
+    list.push_back({seconds(option, at, text), seconds(option, by, text)});
     if (list.back().at_s < 0.0 || (sign == Sign::kPositive && list.back().by_s <= 0.0)) {
       throw cli::UsageError(option + " " + text + ": must lie after the beginning and last some time");
     }
@@ -153,7 +154,7 @@ Faults faults_of(const FaultOptions& options, std::uint64_t seed) {
   faults.clock_steps = events("--clock-step", options.clock_steps, Sign::kAny);
   faults.blackouts = events("--blackout", options.blackouts, Sign::kPositive);
   faults.imu_gaps = events("--imu-gap", options.imu_gaps, Sign::kPositive);
-  faults.imu_offset_s = seconds("--imu-offset", options.imu_offset);
+  faults.imu_offset_s = seconds("--imu-offset", options.imu_offset, options.imu_offset);
   if (!options.imu_clip.empty()) {
     const auto [rate, force] = two_numbers("--imu-clip", options.imu_clip, ',', "RADPS,MPS2, as 1.5,15");
     if (rate < 0.0 || force < 0.0) {
