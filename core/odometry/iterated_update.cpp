@@ -68,13 +68,19 @@ UpdateResult iterated_update(const NavState& prior,
     if (associate) {
       registration::associate(scan, map, state.T_odom_imu, config.association, scratch);
       ++associations;
-      associate = false;
+    }
+    if (associate || result.localisability.weak.count == 0) {
+      sum = registration::linearize(scratch.view(), state.T_odom_imu, config.kernel_m);
+    }
+    if (associate) {
       result.localisability =
-          localisability_of(scratch.view(), state.T_odom_imu, config.kernel_m, config.degenerate_share);
+          localisability_of(scratch.view(), sum.H, state.T_odom_imu, config.kernel_m, config.degenerate_share);
     }
     // A weak direction keeps the prior, but for what really faces it.
-    sum = registration::linearize_trusted(scratch.view(), state.T_odom_imu, config.kernel_m,
-                                          result.localisability.weak);
+    if (result.localisability.weak.count != 0) {
+      sum = registration::linearize_trusted(scratch.view(), state.T_odom_imu, config.kernel_m,
+                                            result.localisability.weak);
+    }
     result.enough = sum.count >= config.min_constraints;
     if (!result.enough) {
       break;

@@ -66,10 +66,10 @@ double trusted_part(std::span<const Constraint> constraints, const geometry::Se3
 }  // namespace
 
 Localisability localisability_of(std::span<const Constraint> constraints,
+                                 const geometry::Matrix6d& information,
                                  const geometry::Se3& T_odom_imu,
                                  double kernel_m,
                                  double share) {
-  const geometry::Matrix6d information = registration::linearize(constraints, T_odom_imu, kernel_m).H;
   const Eigen::Matrix3d position = information.topLeftCorner<3, 3>();
   const Eigen::Matrix3d rotation = information.bottomRightCorner<3, 3>();
   const Eigen::Matrix3d cross = information.topRightCorner<3, 3>();

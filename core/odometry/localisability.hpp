@@ -28,8 +28,10 @@ struct Localisability {
 /// direction is weak where less than `share` of the information is along it. Turns are judged by their eigenvalues.
 /// Source: eigenvalues after Zhang, Kaess and Singh (2016), made free of units by the ratio; filtered contributions
 /// after X-ICP (Tuna et al., 2023).
+/// `information` is H of registration::linearize at the same pose.
 /// Frames: poses and normals in odom.  Real-time: no allocation; O(constraints).
 Localisability localisability_of(std::span<const registration::Constraint> constraints,
+                                 const geometry::Matrix6d& information,
                                  const geometry::Se3& T_odom_imu,
                                  double kernel_m,
                                  double share);
