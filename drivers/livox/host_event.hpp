@@ -60,6 +60,12 @@ struct HostEvent {
 /// Says an event in words, on one line.
 std::string words_for(const HostEvent& event);
 
+struct HostCounters {
+  std::array<std::uint64_t, kFrameResults> frames{};  // by FrameResult
+  std::uint64_t strangers = 0;   // good frames of others than the device
+  std::uint64_t unexpected = 0;  // answers to what was not asked, of the wrong length, or that contradict themselves
+};
+
 /// What a host wants done after it was given bytes or time: datagrams to be sent, and news.
 struct HostOutput {
   struct Datagram {

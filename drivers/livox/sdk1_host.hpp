@@ -40,12 +40,6 @@ enum class Sdk1HostState : std::uint8_t {
   kStopped,       // by stop(); start() goes on
 };
 
-struct Sdk1HostCounters {
-  std::array<std::uint64_t, kFrameResults> frames{};  // by FrameResult
-  std::uint64_t strangers = 0;   // good frames of others than the device
-  std::uint64_t unexpected = 0;  // answers to what was not asked, or of the wrong length
-};
-
 /// The host's side of SDK1 (livox-sdk1.md §3, §4) for one device, without thread, socket or clock:
 /// bytes and time go in, datagrams and events come out.
 ///
@@ -93,7 +87,7 @@ class Sdk1Host {
   const std::optional<Sdk1Extrinsic>& extrinsic() const { return extrinsic_; }
   const std::array<std::uint8_t, 4>& firmware() const { return firmware_; }
   std::uint32_t status_code() const { return status_.value_or(0); }
-  const Sdk1HostCounters& counters() const { return counters_; }
+  const HostCounters& counters() const { return counters_; }
 
  private:
   /// What is done to a device before it samples, in this order.
@@ -144,7 +138,7 @@ class Sdk1Host {
   std::optional<DeviceCode> told_wrong_subnet_;
   bool told_held_ = false;
   bool told_not_seen_ = false;
-  Sdk1HostCounters counters_;
+  HostCounters counters_;
 };
 
 /// Names a state as reports and health spell it.

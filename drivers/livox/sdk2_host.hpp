@@ -39,12 +39,6 @@ enum class Sdk2HostState : std::uint8_t {
   kStopped,      // by stop(); start() goes on
 };
 
-struct Sdk2HostCounters {
-  std::array<std::uint64_t, kFrameResults> frames{};  // by FrameResult
-  std::uint64_t strangers = 0;   // good frames of others than the device
-  std::uint64_t unexpected = 0;  // answers to what was not asked, or that contradict themselves
-};
-
 /// The host's side of SDK2 (livox-sdk2.md §3) for one device, without thread, socket or clock: bytes
 /// and time go in, datagrams and events come out.
 ///
@@ -91,7 +85,7 @@ class Sdk2Host {
   const DeviceCode& serial_number() const { return serial_number_; }
   const std::optional<Sdk1Extrinsic>& attitude() const { return attitude_; }
   std::optional<double> temperature_c() const { return temperature_c_; }
-  const Sdk2HostCounters& counters() const { return counters_; }
+  const HostCounters& counters() const { return counters_; }
 
  private:
   /// What is set in a device, in this order.
@@ -145,7 +139,7 @@ class Sdk2Host {
   std::optional<double> temperature_c_;
   std::optional<DeviceCode> told_wrong_subnet_;
   bool told_not_seen_ = false;
-  Sdk2HostCounters counters_;
+  HostCounters counters_;
 };
 
 /// Names a state as reports and health spell it.

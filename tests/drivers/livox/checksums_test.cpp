@@ -4,10 +4,13 @@
 
 #include <string_view>
 
-#include "hex.hpp"
+#include "tests/hex/hex.hpp"
 
 namespace slamd::livox {
 namespace {
+
+using hex::Bytes;
+using hex::from_hex;
 
 constexpr std::string_view kCheck = "123456789";
 

@@ -16,11 +16,14 @@
 #include <vector>
 
 #include "core/base/bytes.hpp"
-#include "hex.hpp"
+#include "tests/hex/hex.hpp"
 #include "tests/support/allocation_guard.hpp"
 
 namespace slamd::livox {
 namespace {
+
+using hex::Bytes;
+using hex::from_hex;
 
 constexpr Stamp kReceived{std::chrono::seconds{1'700'000'001}};
 

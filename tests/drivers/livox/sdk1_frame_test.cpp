@@ -6,10 +6,14 @@
 #include <string_view>
 
 #include "drivers/livox/sdk1_messages.hpp"
-#include "hex.hpp"
+#include "tests/hex/hex.hpp"
 
 namespace slamd::livox {
 namespace {
+
+using hex::Bytes;
+using hex::from_hex;
+using hex::to_hex;
 
 // Every control frame among the golden vectors of livox-sdk1.md.
 constexpr std::string_view kFrames[] = {

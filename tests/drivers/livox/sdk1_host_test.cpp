@@ -11,11 +11,15 @@
 #include <vector>
 
 #include "core/base/bytes.hpp"
-#include "hex.hpp"
+#include "tests/hex/hex.hpp"
 #include "tests/support/allocation_guard.hpp"
 
 namespace slamd::livox {
 namespace {
+
+using hex::Bytes;
+using hex::from_hex;
+using hex::to_hex;
 
 using std::chrono::milliseconds;
 using std::chrono::seconds;

@@ -11,11 +11,15 @@
 #include <vector>
 
 #include "core/base/bytes.hpp"
-#include "hex.hpp"
+#include "tests/hex/hex.hpp"
 #include "tests/support/allocation_guard.hpp"
 
 namespace slamd::livox {
 namespace {
+
+using hex::Bytes;
+using hex::from_hex;
+using hex::to_hex;
 
 constexpr Stamp kReceived{std::chrono::seconds{1'795'327'325}};
 constexpr double kStandardGravity_mps2 = 9.80665;

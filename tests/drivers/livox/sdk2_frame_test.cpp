@@ -5,10 +5,14 @@
 #include <string_view>
 
 #include "core/base/bytes.hpp"
-#include "hex.hpp"
+#include "tests/hex/hex.hpp"
 
 namespace slamd::livox {
 namespace {
+
+using hex::Bytes;
+using hex::from_hex;
+using hex::to_hex;
 
 // The control frames among the golden vectors of livox-sdk2.md.
 constexpr std::string_view kDiscovery = "AA0018000100000000000000000000000000A91F00000000";

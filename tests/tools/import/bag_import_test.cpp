@@ -10,7 +10,7 @@
 #include "drivers/recording/packet.hpp"
 #include "drivers/recording/pcap_reader.hpp"
 #include "ros_bytes.hpp"
-#include "scratch_folder.hpp"
+#include "tests/scratch/scratch_folder.hpp"
 #include "tools/cli/cli.hpp"
 
 namespace slamd::importing {
@@ -71,7 +71,7 @@ namespace {
 const auto kQuiet = [](double) {
 };
 
-class BagImportTest : public ScratchFolder {
+class BagImportTest : public scratch::ScratchFolder {
  protected:
   BagImportTest() : bag_((folder_ / "in.bag").string(), rosbag::bagmode::Write) {}
 
@@ -113,7 +113,7 @@ TEST_F(BagImportTest, TurnsVelodyneScansIntoACapture) {
   }
   EXPECT_EQ(packets, 5U);
   EXPECT_EQ(packet.received.time_since_epoch().count(), 6'001'000'000);
-  EXPECT_NE(text_of("out/recording.toml").find("model = \"vlp32c\""), std::string::npos);
+  EXPECT_NE(text_of(folder_ / "out/recording.toml").find("model = \"vlp32c\""), std::string::npos);
 }
 
 TEST_F(BagImportTest, TurnsLivoxMessagesIntoCloudsAndGIntoSi) {

@@ -5,7 +5,7 @@
 #include "drivers/recording/csv_reader.hpp"
 #include "drivers/recording/packet.hpp"
 #include "drivers/recording/tum.hpp"
-#include "scratch_folder.hpp"
+#include "tests/scratch/scratch_folder.hpp"
 #include "tools/cli/cli.hpp"
 #include "tools/import/recording_writer.hpp"
 
@@ -17,7 +17,7 @@ namespace fs = std::filesystem;
 const auto kQuiet = [](double) {
 };
 
-class FolderImport : public ScratchFolder {
+class FolderImport : public scratch::ScratchFolder {
  protected:
   static std::string ply(const std::string& rows, int count, const std::string& time) {
     return "ply\nformat ascii 1.0\nelement vertex " + std::to_string(count) +
@@ -49,7 +49,7 @@ TEST_F(FolderImport, GivesBackEveryPointAndEveryNanosecond) {
   ASSERT_TRUE(back.next(scan));
   EXPECT_EQ(scan.begin.time_since_epoch().count(), 1'700'000'000'323'456'794);
   EXPECT_EQ(scan.points[0].intensity, 0);  // 0.001 of 255: not scaled once more
-  const std::string toml = text_of("out/recording.toml");
+  const std::string toml = text_of(folder_ / "out/recording.toml");
   EXPECT_NE(toml.find("model = \"points\""), std::string::npos);
   EXPECT_NE(toml.find("points_have_time = true"), std::string::npos);
   EXPECT_EQ(toml.find("[imu]"), std::string::npos);
@@ -73,7 +73,7 @@ TEST_F(FolderImport, TakesMulransInertialSamplesAndCountsBadRows) {
   EXPECT_EQ(sample.stamp.time_since_epoch().count(), 1'567'496'784'000'000'001);
   EXPECT_EQ(sample.angular_rate_radps, Eigen::Vector3d(0.1, 0.2, 0.3));
   EXPECT_EQ(sample.specific_force_mps2, Eigen::Vector3d(1.0, 2.0, 9.8));
-  EXPECT_NE(text_of("out/recording.toml").find("source = \"imu.csv\""), std::string::npos);
+  EXPECT_NE(text_of(folder_ / "out/recording.toml").find("source = \"imu.csv\""), std::string::npos);
 }
 
 TEST_F(FolderImport, GivesKittiRowsTheStampsOfTheScans) {
@@ -108,12 +108,12 @@ TEST_F(FolderImport, OverwritesOnlyWhenForcedAndOnlyItsOwnFiles) {
   write("out/lidar/000000.ply", "old");
 
   EXPECT_THROW(prepare_directory(folder_ / "out", false), cli::UsageError);
-  EXPECT_EQ(text_of("out/recording.toml"), "old");
+  EXPECT_EQ(text_of(folder_ / "out/recording.toml"), "old");
   prepare_directory(folder_ / "out", true);
 
   EXPECT_FALSE(fs::exists(folder_ / "out/recording.toml"));
   EXPECT_FALSE(fs::exists(folder_ / "out/lidar"));
-  EXPECT_EQ(text_of("out/notes.txt"), "mine");
+  EXPECT_EQ(text_of(folder_ / "out/notes.txt"), "mine");
   EXPECT_THROW(prepare_directory(folder_ / "out/notes.txt", true), cli::UsageError);
 }
 

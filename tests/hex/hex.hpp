@@ -6,10 +6,11 @@
 #include <string_view>
 #include <vector>
 
-namespace slamd::livox {
+namespace slamd::hex {
 
 using Bytes = std::vector<std::byte>;
 
+/// Reads pairs of digits without blanks.
 inline Bytes from_hex(std::string_view hex) {
   Bytes bytes;
   for (std::size_t i = 0; i + 1 < hex.size(); i += 2) {
@@ -18,6 +19,7 @@ inline Bytes from_hex(std::string_view hex) {
   return bytes;
 }
 
+/// Writes capital digits.
 inline std::string to_hex(std::span<const std::byte> bytes) {
   constexpr std::string_view kDigits = "0123456789ABCDEF";
   std::string hex;
@@ -28,4 +30,4 @@ inline std::string to_hex(std::span<const std::byte> bytes) {
   return hex;
 }
 
-}  // namespace slamd::livox
+}  // namespace slamd::hex
