@@ -43,7 +43,7 @@ RealTimeThread::RealTimeThread(const std::string& name, Scheduling scheduling, s
 RealTimeThread::~RealTimeThread() { pthread_join(thread_, nullptr); }
 
 void* RealTimeThread::run(void* self) {
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+#if !SLAMD_SANITIZED
   prefault_stack();
 #endif
   static_cast<RealTimeThread*>(self)->body_();

@@ -5,6 +5,8 @@
 
 #include <pthread.h>
 
+#include "core/base/sanitizer.hpp"
+
 namespace slamd::threads {
 
 /// How a thread is scheduled.
@@ -18,7 +20,7 @@ struct Scheduling {
 /// it runs under SCHED_OTHER, and is_fifo() says so.
 class RealTimeThread {
  public:
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#if SLAMD_SANITIZED
   static constexpr std::size_t kStackBytes = 2048 * 1024;  // their frames are many times larger
 #else
   static constexpr std::size_t kStackBytes = 256 * 1024;

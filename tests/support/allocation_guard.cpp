@@ -1,16 +1,8 @@
 #include "tests/support/allocation_guard.hpp"
 
-#if defined(__has_feature)
-#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer) || \
-    __has_feature(memory_sanitizer)
-#define SLAMD_SANITIZER_OWNS_MALLOC 1
-#endif
-#endif
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-#define SLAMD_SANITIZER_OWNS_MALLOC 1
-#endif
+#include "core/base/sanitizer.hpp"
 
-#if defined(SLAMD_SANITIZER_OWNS_MALLOC)
+#if SLAMD_SANITIZED
 
 namespace slamd::support {
 
