@@ -96,7 +96,10 @@ inside() {
     set -e
     root=$1
     shift
+    # The root is a mount of its own, or "ip netns exec" could not change it.
+    mount --bind "$root" "$root"
     mount -t proc proc "$root/proc"
+    mount -t sysfs sysfs "$root/sys"
     mount --rbind /dev "$root/dev"
     exec chroot "$root" /usr/bin/env -i HOME=/root PATH=/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin \
       http_proxy="${http_proxy:-}" https_proxy="${https_proxy:-}" \
