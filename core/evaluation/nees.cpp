@@ -1,50 +1,81 @@
 #include "core/evaluation/nees.hpp"
 
+#include <algorithm>
 #include <stdexcept>
-#include <string>
 
 #include <Eigen/Cholesky>
 
 namespace slamd::evaluation {
 
+using geometry::Se3;
+using geometry::Vector6d;
+
 namespace {
 
-// χ² of six degrees of freedom at 0.025 and 0.975.
-constexpr double kLow = 1.237344;
-constexpr double kHigh = 14.449375;
+// χ² at 0.95 of one, three and six degrees of freedom.
+constexpr double kInside1 = 3.841459;
+constexpr double kInside3 = 7.814728;
+constexpr double kInside6 = 12.591587;
+
+/// Returns the pair at a stamp, or nullptr.
+const PosePair* at(std::span<const PosePair> pairs, Stamp stamp) {
+  const auto pair = std::lower_bound(pairs.begin(), pairs.end(), stamp,
+                                     [](const PosePair& p, Stamp wanted) { return p.stamp < wanted; });
+  return pair != pairs.end() && pair->stamp == stamp ? &*pair : nullptr;
+}
+
+template <int kFirst, int kSize>
+double nees_of(const MotionError& motion) {
+  const Eigen::Matrix<double, kSize, 1> e = motion.error.segment<kSize>(kFirst);
+  const Eigen::LLT<Eigen::Matrix<double, kSize, kSize>> llt(motion.covariance.block<kSize, kSize>(kFirst, kFirst));
+  if (llt.info() != Eigen::Success) {
+    throw std::invalid_argument("a covariance is not positive definite");
+  }
+  return e.dot(llt.solve(e));
+}
+
+/// Adds one of n values.
+void add(Consistency& consistency, double nees, double inside, double n) {
+  ++consistency.count;
+  consistency.mean += nees / n;
+  consistency.inside_95 += nees <= inside ? 1.0 / n : 0.0;
+}
 
 }  // namespace
 
-std::vector<double> relative_nees(std::span<const PosePair> pairs,
-                                  std::span<const IndexPair> indices,
-                                  std::span<const geometry::Matrix6d> covariances) {
-  if (indices.size() != covariances.size()) {
-    throw std::invalid_argument("there must be one covariance for each pair");
-  }
-  std::vector<double> values;
-  for (std::size_t k = 0; k < indices.size(); ++k) {
-    const PosePair& first = pairs[indices[k].first];
-    const PosePair& second = pairs[indices[k].second];
-    const geometry::Se3 reference = first.reference.inverse() * second.reference;
-    const geometry::Se3 estimate = first.estimate.inverse() * second.estimate;
-    const geometry::Vector6d e = geometry::boxminus(reference, estimate);
-    const Eigen::LLT<geometry::Matrix6d> llt(covariances[k]);
-    if (llt.info() != Eigen::Success) {
-      throw std::invalid_argument("covariance " + std::to_string(k) + " is not positive definite");
+std::vector<MotionError> motion_errors(std::span<const PosePair> pairs, std::span<const MotionClaim> claims) {
+  std::vector<MotionError> errors;
+  for (const MotionClaim& claim : claims) {
+    const PosePair* first = at(pairs, claim.first);
+    const PosePair* last = at(pairs, claim.last);
+    if (first == nullptr || last == nullptr) {
+      continue;
     }
-    values.push_back(e.dot(llt.solve(e)));
+    const Se3 reference = first->reference.inverse() * last->reference;
+    const Se3 estimate = first->estimate.inverse() * last->estimate;
+    errors.push_back({geometry::boxminus(reference, estimate), claim.covariance});
   }
-  return values;
+  return errors;
 }
 
-Consistency consistency_of(std::span<const double> nees) {
-  Consistency result;
-  result.count = nees.size();
-  for (const double value : nees) {
-    result.mean += value / static_cast<double>(nees.size());
-    result.inside_95 +=
-        value >= kLow && value <= kHigh ? 1.0 / static_cast<double>(nees.size()) : 0.0;
+MotionConsistency consistency_of(std::span<const MotionError> errors) {
+  MotionConsistency result;
+  const auto n = static_cast<double>(errors.size());
+  Vector6d error_squares = Vector6d::Zero();
+  Vector6d variances = Vector6d::Zero();
+  for (const MotionError& motion : errors) {
+    add(result.pose, nees_of<0, 6>(motion), kInside6, n);
+    add(result.position, nees_of<0, 3>(motion), kInside3, n);
+    add(result.rotation, nees_of<3, 3>(motion), kInside3, n);
+    for (int axis = 0; axis < 6; ++axis) {
+      add(result.axes[static_cast<std::size_t>(axis)],
+          motion.error[axis] * motion.error[axis] / motion.covariance(axis, axis), kInside1, n);
+    }
+    error_squares += motion.error.cwiseAbs2() / n;
+    variances += motion.covariance.diagonal() / n;
   }
+  result.error_rms = error_squares.cwiseSqrt();
+  result.claimed_rms = variances.cwiseSqrt();
   return result;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <span>
 #include <vector>
 
@@ -7,25 +8,44 @@
 
 namespace slamd::evaluation {
 
-/// Returns the normalised estimation error squared, eᵀP⁻¹e, of each relative pose.
-/// Frames: e = boxminus(Q_i⁻¹Q_j, P_i⁻¹P_j), position in body i's axes, then rotation (Q reference,
-/// P estimate); covariances[k] is that of the relative pose of indices[k], in the same order and
-/// axes.  Units: m, rad. Relative poses, because the covariance of an odometry's pose in odom hides
-/// that its first pose is exact. Errors: throws std::invalid_argument when there are not as many
-/// covariances as indices, or one is not positive definite.
-std::vector<double> relative_nees(std::span<const PosePair> pairs,
-                                  std::span<const IndexPair> indices,
-                                  std::span<const geometry::Matrix6d> covariances);
-
-/// Whether covariances can be believed: with honest ones the mean is 6 and 0.95 of the values lie
-/// inside.
-struct Consistency {
-  std::size_t count = 0;
-  double mean = 0.0;
-  double inside_95 = 0.0;  // share within the two-sided 95 % interval
+/// A motion between two estimated poses, and how well the estimator says it knows it.
+struct MotionClaim {
+  Stamp first{};
+  Stamp last{};
+  geometry::Matrix6d covariance = geometry::Matrix6d::Identity();  // of (δp, δθ) of T_first_last, δp in the first's axes
 };
 
-/// Summarises NEES values of six degrees of freedom.
-Consistency consistency_of(std::span<const double> nees);
+/// By how much a motion is wrong, and its covariance.
+struct MotionError {
+  geometry::Vector6d error;
+  geometry::Matrix6d covariance;
+};
+
+/// Holds claims against the reference: e = boxminus(Q_i⁻¹Q_j, P_i⁻¹P_j), position in body i's axes, then rotation (Q
+/// reference, P estimate).  Units: m, rad. Motions, because the covariance of an odometry's pose in odom hides that its
+/// first pose is exact. Claims without a pose of the pairs at both stamps are left out.
+/// `pairs` in the order of their stamps.
+std::vector<MotionError> motion_errors(std::span<const PosePair> pairs, std::span<const MotionClaim> claims);
+
+/// Whether covariances can be believed: with honest ones the mean is the degrees of freedom, and 0.95 of the values lie
+/// within the region of 95 %.
+struct Consistency {
+  std::size_t count = 0;
+  double mean = 0.0;       // of the normalised estimation error squared, eᵀP⁻¹e
+  double inside_95 = 0.0;  // share with no more than χ²'s 0.95 quantile
+};
+
+/// The consistency of motions as a whole, of its parts, and of each axis by itself.
+struct MotionConsistency {
+  Consistency pose;      // six degrees of freedom
+  Consistency position;  // three
+  Consistency rotation;
+  std::array<Consistency, 6> axes;  // one each: x, y, z, and turns about them
+  geometry::Vector6d error_rms = geometry::Vector6d::Zero();  // m, rad
+  geometry::Vector6d claimed_rms = geometry::Vector6d::Zero();
+};
+
+/// Errors: throws std::invalid_argument when a covariance is not positive definite.
+MotionConsistency consistency_of(std::span<const MotionError> errors);
 
 }  // namespace slamd::evaluation

@@ -22,6 +22,16 @@ inline constexpr int kGravity = 15;
 using ErrorState = Eigen::Matrix<double, kErrorStates, 1>;
 using Covariance = Eigen::Matrix<double, kErrorStates, kErrorStates>;
 
+/// The error states and, as the eighteenth, the wheels' scale (wheel_update.hpp).
+inline constexpr int kFilterStates = kErrorStates + 1;
+
+/// How the filter's errors at one time live on in those of a later one: e_later = Φ e + what noise added.
+using Transition = Eigen::Matrix<double, kFilterStates, kFilterStates>;
+
+/// What goes with the error states through each propagation, linear in them. Column 0: their covariance with the wheels'
+/// scale; the others: the upper rows of a Transition.
+using Followers = Eigen::Matrix<double, kErrorStates, 1 + kFilterStates>;
+
 /// Where the imu is and how it moves.
 /// Frames: velocity and gravity in odom; biases in imu.  Units: m, m/s, rad/s, m/s².
 struct NavState {

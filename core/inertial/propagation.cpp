@@ -76,7 +76,7 @@ void propagate_mean(NavState& state, const ImuSample& mean, double dt_s) {
 }
 
 void propagate_interval(
-    NavState& state, Covariance& P, const ImuSample& mean, double dt_s, const ImuNoise& noise, ErrorState* cross) {
+    NavState& state, Covariance& P, const ImuSample& mean, double dt_s, const ImuNoise& noise, Followers* followers) {
   const Eigen::Vector3d turn = (mean.angular_rate_radps - state.gyro_bias) * dt_s;
   const Eigen::Vector3d force = mean.specific_force_mps2 - state.accel_bias;
   const Eigen::Matrix3d R = state.T_odom_imu.rotation();
@@ -94,8 +94,8 @@ void propagate_interval(
   Covariance FP;
   FP.noalias() = F * P;
   P.noalias() = FP * F.transpose();
-  if (cross != nullptr) {
-    *cross = (F * *cross).eval();
+  if (followers != nullptr) {
+    *followers = (F * *followers).eval();
   }
   add_noise(P, kRotation, turn_variance_density(mean.angular_rate_radps - state.gyro_bias, noise) * dt_s);
   add_noise(P, kVelocity, noise.accel_noise_mps2_sqrthz * noise.accel_noise_mps2_sqrthz * dt_s);
@@ -106,9 +106,9 @@ void propagate_interval(
 
 void propagate(
     NavState& state, Covariance& P, std::span<const ImuSample> samples, Stamp to, const ImuNoise& noise,
-    ErrorState* cross) {
+    Followers* followers) {
   for_each_interval(samples, state.stamp, to, [&](const ImuSample& mean, double dt_s) {
-    propagate_interval(state, P, mean, dt_s, noise, cross);
+    propagate_interval(state, P, mean, dt_s, noise, followers);
   });
   P = (0.5 * (P + P.transpose())).eval();
   state.stamp = to;
@@ -118,7 +118,7 @@ void propagate_constant_velocity(NavState& state,
                                  Covariance& P,
                                  Stamp to,
                                  const ConstantVelocityNoise& noise,
-                                 ErrorState* cross) {
+                                 Followers* followers) {
   const double dt_s = to_seconds(to - state.stamp);
   const Eigen::Vector3d turn = -state.gyro_bias * dt_s;
 
@@ -130,8 +130,8 @@ void propagate_constant_velocity(NavState& state,
   Covariance FP;
   FP.noalias() = F * P;
   P.noalias() = FP * F.transpose();
-  if (cross != nullptr) {
-    *cross = (F * *cross).eval();
+  if (followers != nullptr) {
+    *followers = (F * *followers).eval();
   }
   // White acceleration through a double integrator; the cross terms keep velocity observable from position.
   const double q_v = noise.acceleration_mps2_sqrthz * noise.acceleration_mps2_sqrthz;

@@ -26,8 +26,8 @@ struct ConstantVelocityNoise {
   double angular_acceleration_radps2_sqrthz = 1.5;
 };
 
-/// Moves the state and its covariance over one interval with the mean of the samples at both ends. `cross`, where
-/// given, is the covariance of the error states with a parameter that does not change, and goes with them.
+/// Moves the state and its covariance over one interval with the mean of the samples at both ends, and with them what
+/// follows them, where given.
 /// Source: error-state propagation after Sola, "Quaternion kinematics for the error-state Kalman filter", 5.4,
 /// with gravity on S² as in FAST-LIO2.  Real-time: no allocation; O(17³).
 void propagate_interval(NavState& state,
@@ -35,7 +35,7 @@ void propagate_interval(NavState& state,
                         const sensor::ImuSample& mean,
                         double dt_s,
                         const ImuNoise& noise,
-                        ErrorState* cross = nullptr);
+                        Followers* followers = nullptr);
 
 /// Moves only the state, as propagate_interval does.
 void propagate_mean(NavState& state, const sensor::ImuSample& mean, double dt_s);
@@ -49,12 +49,12 @@ void propagate(NavState& state,
                std::span<const sensor::ImuSample> samples,
                Stamp to,
                const ImuNoise& noise,
-               ErrorState* cross = nullptr);
+               Followers* followers = nullptr);
 
 /// Moves a state without inertial samples at constant velocity. Here gyro_bias holds −ω (a gyroscope that always
 /// reads zero is wrong by just that), so that the filter estimates the turn rate with the state it has.
 void propagate_constant_velocity(NavState& state, Covariance& P, Stamp to, const ConstantVelocityNoise& noise,
-                                 ErrorState* cross = nullptr);
+                                 Followers* followers = nullptr);
 
 /// Returns the mean of two samples, which stands for the interval between them.
 sensor::ImuSample mean_of(const sensor::ImuSample& a, const sensor::ImuSample& b);

@@ -14,6 +14,9 @@ namespace {
 /// Fewer samples say nothing about their spread.
 constexpr std::size_t kMinSamples = 20;
 
+/// By how much a vehicle's velocity may differ from its wheels' at the start: acceleration, slip, a lever in a turn.
+constexpr double kWheelStart_mps = 0.3;
+
 double largest_std(const Eigen::Vector3d& sum, const Eigen::Vector3d& square_sum, std::size_t count) {
   const double n = static_cast<double>(count);
   const Eigen::Vector3d mean = sum / n;
@@ -32,8 +35,16 @@ Eigen::Matrix3d levelled(const Eigen::Vector3d& up_imu, const Eigen::Matrix3d& R
 
 }  // namespace
 
+Alignment with_wheel_speed(const Alignment& alignment, double speed_mps, const Se3& T_base_imu) {
+  Alignment result = alignment;
+  const Eigen::Matrix3d R_odom_base = alignment.state.T_odom_imu.rotation() * T_base_imu.rotation().transpose();
+  result.state.v_odom_imu = speed_mps * R_odom_base.col(0);
+  result.P.diagonal().segment<3>(kVelocity).setConstant(kWheelStart_mps * kWheelStart_mps);
+  return result;
+}
+
 bool StartUpAlignment::at_rest() const {
-  return count_ >= kMinSamples &&
+  return !moving_ && count_ >= kMinSamples &&
          largest_std(gyro_sum_, gyro_square_sum_, count_) < config_.static_gyro_std_radps &&
          largest_std(accel_sum_, accel_square_sum_, count_) < config_.static_accel_std_mps2;
 }
@@ -41,6 +52,7 @@ bool StartUpAlignment::at_rest() const {
 void StartUpAlignment::restart_window(const sensor::ImuSample& sample) {
   window_begin_ = sample.stamp;
   count_ = 0;
+  moving_ = false;
   gyro_sum_.setZero();
   gyro_square_sum_.setZero();
   accel_sum_.setZero();

@@ -27,6 +27,10 @@ struct Alignment {
   double tilt_std_rad = 0.0;  // what levelling may be wrong by: from the accelerometer's unknown bias
 };
 
+/// Gives a moving start the wheels' speed: base goes straight ahead.  Without it the first scans would be deskewed, and
+/// laid into the map, as if at rest.
+Alignment with_wheel_speed(const Alignment& alignment, double speed_mps, const geometry::Se3& T_base_imu);
+
 /// Levels odom and finds the gyroscope's bias from the first seconds of inertial samples.
 ///
 /// At rest the mean specific force is gravity plus an unknown accelerometer bias. odom's vertical is set along it,
@@ -41,6 +45,10 @@ class StartUpAlignment {
   /// T_base_imu places odom's origin at base and its x axis along base's.
   std::optional<Alignment> add(const sensor::ImuSample& sample, const geometry::Se3& T_base_imu);
 
+  /// Says that the wheels turn: whatever the samples look like, this window is not at rest. A steady acceleration looks
+  /// like a slope.
+  void note_moving() { moving_ = true; }
+
   /// True while the samples so far look like standing still.
   bool at_rest() const;
 
@@ -52,6 +60,7 @@ class StartUpAlignment {
   std::optional<Stamp> first_;
   Stamp window_begin_{};
   std::size_t count_ = 0;
+  bool moving_ = false;  // in this window
   Eigen::Vector3d gyro_sum_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d gyro_square_sum_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d accel_sum_ = Eigen::Vector3d::Zero();

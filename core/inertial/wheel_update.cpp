@@ -13,17 +13,21 @@ using geometry::Se3;
 using sensor::WheelSample;
 
 double WheelUpdate::innovation_variance(const Measurement& m, const Covariance& P) const {
-  return m.h.dot(P * m.h) + 2.0 * m.h_scale * m.h.dot(cross_) + m.h_scale * m.h_scale * scale_variance_ + m.variance;
+  return m.h.dot(P * m.h) + 2.0 * m.h_scale * m.h.dot(cross()) + m.h_scale * m.h_scale * scale_variance_ + m.variance;
 }
 
 void WheelUpdate::apply(const Measurement& m, NavState& state, Covariance& P) {
   const double S = innovation_variance(m, P);
-  const ErrorState gain = (P * m.h + m.h_scale * cross_) / S;
-  const double gain_scale = (m.h.dot(cross_) + m.h_scale * scale_variance_) / S;
+  const ErrorState gain = (P * m.h + m.h_scale * cross()) / S;
+  const double gain_scale = (m.h.dot(cross()) + m.h_scale * scale_variance_) / S;
   state = boxplus(state, ErrorState(gain * m.residual));
   scale_ += gain_scale * m.residual;
+  const Eigen::Matrix<double, 1, kFilterStates> seen =
+      m.h.transpose() * followers_.rightCols<kFilterStates>() + m.h_scale * scale_row_;
+  followers_.rightCols<kFilterStates>().noalias() -= gain * seen;
+  scale_row_ -= gain_scale * seen;
   P.noalias() -= S * gain * gain.transpose();
-  cross_ -= S * gain_scale * gain;
+  followers_.col(0) -= S * gain_scale * gain;
   scale_variance_ = std::max(1e-10, scale_variance_ - S * gain_scale * gain_scale);
 }
 
@@ -79,10 +83,25 @@ void WheelUpdate::follow(const NavState& prior,
                          const Covariance& P_prior,
                          const NavState& posterior,
                          const Covariance& P_posterior) {
-  const ErrorState regression = P_prior.ldlt().solve(cross_);
-  scale_ += regression.dot(boxminus(posterior, prior));
-  scale_variance_ = std::max(1e-10, scale_variance_ - regression.dot((P_prior - P_posterior) * regression));
-  cross_ = P_posterior * regression;
+  const Followers regression = P_prior.ldlt().solve(followers_);
+  const ErrorState of_scale = regression.col(0);
+  scale_ += of_scale.dot(boxminus(posterior, prior));
+  scale_variance_ = std::max(1e-10, scale_variance_ - of_scale.dot((P_prior - P_posterior) * of_scale));
+  const Followers before = followers_;
+  followers_.noalias() = P_posterior * regression;
+  scale_row_ += of_scale.transpose() * (followers_ - before).rightCols<kFilterStates>();
+}
+
+void WheelUpdate::begin_transition() {
+  followers_.rightCols<kFilterStates>().setIdentity();
+  scale_row_.setZero();
+  scale_row_[kErrorStates] = 1.0;
+}
+
+Transition WheelUpdate::transition() const {
+  Transition transition;
+  transition << followers_.rightCols<kFilterStates>(), scale_row_;
+  return transition;
 }
 
 }  // namespace slamd::inertial

@@ -33,7 +33,7 @@ struct WheelCounts {
 ///
 /// The scale is an eighteenth error state of this filter alone: its covariance with the 17 others lives here, goes
 /// through each propagation and each update with them, and so learns from the LiDAR where that sees the way, and serves
-/// where it does not.
+/// where it does not. The transition of all 18 goes the same ways.
 /// Source: EKF with the state augmented by a calibration parameter; gate on the normalised innovation.
 /// Real-time: no allocation; O(17²) a sample.
 class WheelUpdate {
@@ -50,14 +50,25 @@ class WheelUpdate {
               NavState& state,
               Covariance& P);
 
-  /// The covariance of the scale with the error states: to be carried through each propagation.
-  ErrorState& cross() { return cross_; }
+  /// What is to be carried through each propagation.
+  Followers& followers() { return followers_; }
+
+  /// From here on transition() counts.
+  void begin_transition();
+
+  /// How the errors of the 17 states and of the scale live on since begin_transition.
+  Transition transition() const;
 
   /// Takes in what another measurement has said of the states: from the prior to the posterior.
   void follow(const NavState& prior, const Covariance& P_prior, const NavState& posterior, const Covariance& P_posterior);
 
-  /// Forgets how the scale hangs together with some of the states, which are set anew.
-  void separate(int block, int size) { cross_.segment(block, size).setZero(); }
+  /// Forgets how the scale, and earlier errors, hang together with some of the states, which are set anew.
+  void separate(int block, int size) { followers_.middleRows(block, size).setZero(); }
+
+  /// The covariance of the scale with the error states.
+  ErrorState cross() const { return followers_.col(0); }
+
+  double scale_variance() const { return scale_variance_; }
 
   double scale() const { return scale_; }
   double scale_std() const { return std::sqrt(scale_variance_); }
@@ -77,7 +88,8 @@ class WheelUpdate {
   WheelConfig config_;
   double scale_ = 1.0;  // true speed by the wheels'
   double scale_variance_;
-  ErrorState cross_ = ErrorState::Zero();
+  Followers followers_ = Followers::Zero();
+  Eigen::Matrix<double, 1, kFilterStates> scale_row_ = Eigen::Matrix<double, 1, kFilterStates>::Zero();  // of the transition
   Stamp last_{};
   WheelCounts counts_;
 };

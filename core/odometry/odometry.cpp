@@ -68,6 +68,9 @@ void Odometry::begin() {
   confirmed_ = true;
   agreeing_scans_ = unconfirmed_scans_ = unmet_scans_ = restart_said_ = 0;
   last_scan_end_ = Stamp{};
+  motion_ = MotionStep{};
+  drift_ = SurroundingsDrift{};
+  shared_errors_.setZero();
 }
 
 void Odometry::start_without_imu(Stamp stamp) {
@@ -85,6 +88,7 @@ OdometryResult Odometry::process(const DeskewedScan& scan,
                                  std::span<const sensor::ImuSample> samples,
                                  std::span<const sensor::WheelSample> wheels) {
   environment_.add(scan.median_range_m);
+  wheels_.begin_transition();
   const Cause prediction_cause = predict(scan.end, samples, wheels);             // 1
   if (map_.empty()) {
     last_scan_end_ = scan.end;
@@ -164,11 +168,11 @@ Cause Odometry::predict(Stamp to,
 
 void Odometry::propagate(Stamp to, std::span<const sensor::ImuSample> samples) {
   if (samples.empty()) {
-    inertial::propagate_constant_velocity(state_, P_, to, config_.constant_velocity, &wheels_.cross());
+    inertial::propagate_constant_velocity(state_, P_, to, config_.constant_velocity, &wheels_.followers());
     rate_imu_radps_ = -state_.gyro_bias;
     return;
   }
-  inertial::propagate(state_, P_, samples, to, config_.imu_noise, &wheels_.cross());
+  inertial::propagate(state_, P_, samples, to, config_.imu_noise, &wheels_.followers());
   const auto after = std::find_if(samples.begin(), samples.end() - 1, [&](const auto& s) { return s.stamp >= to; });
   rate_imu_radps_ = after->angular_rate_radps - state_.gyro_bias;
 }
@@ -304,7 +308,6 @@ OdometryResult Odometry::result_of(const DeskewedScan& scan, Cause cause, const 
   Matrix6d J = Matrix6d::Identity();
   J.topRightCorner<3, 3>() = -R_odom_imu * geometry::skew(T_imu_base.translation());
   J.bottomRightCorner<3, 3>() = config_.T_base_imu.rotation();
-  result.P_odom_base = J * P_.block<6, 6>(kPosition, kPosition) * J.transpose();
   result.localisability = update.localisability;
   if (update.enough) {
     result.weak_axes = weak_axes(update.localisability, Eigen::Matrix3d::Identity());
@@ -313,7 +316,35 @@ OdometryResult Odometry::result_of(const DeskewedScan& scan, Cause cause, const 
   result.map_restarts = map_restarts_;
   result.indoor = environment_.indoor();
   result.update = update;
+  note_uncertainty(static_cast<double>(scan.median_range_m), J, result);
   return result;
+}
+
+void Odometry::note_uncertainty(double median_range_m, const Matrix6d& J_base_imu, OdometryResult& result) {
+  const UpdateResult& update = result.update;
+  Eigen::Matrix<double, inertial::kFilterStates, 6> P_pose;  // of all states with the pose of the imu
+  P_pose << P_.middleCols<6>(kPosition), wheels_.cross().head<6>().transpose();
+  if (update.enough) {
+    P_pose = with_true_noise(P_pose, config_.update.information_share * update.information);
+  }
+  const Se3 T_last_base = motion_.T_odom_base.inverse() * result.T_odom_base;
+  motion_.drift_base.setZero();
+  if (update.enough && confirmed_) {
+    motion_.drift_base = map_drift(update.information, result.T_odom_base, J_base_imu, T_last_base, median_range_m);
+  }
+  if (result.map_restarts != said_restarts_) {
+    said_restarts_ = result.map_restarts;  // the new map stands where the pose was believed to be
+    motion_.drift_base += in_base_axes(J_base_imu * P_pose.topRows<6>() * J_base_imu.transpose(), result.T_odom_base);
+  }
+  motion_.transition = wheels_.transition();
+  motion_.P_filter_base = P_pose * J_base_imu.transpose();
+  motion_.J_base_imu = J_base_imu;
+  drift_.add(motion_.T_odom_base, result.T_odom_base, motion_.drift_base);
+  motion_.T_odom_base = result.T_odom_base;
+  shared_errors_ = drift_.covariance() + errors_of_all_points();
+  result.P_odom_base = J_base_imu * P_.block<6, 6>(kPosition, kPosition) * J_base_imu.transpose() + shared_errors_;
+  result.up_odom = -state_.g_odom.normalized();
+  result.up_std_rad = std::sqrt(P_.diagonal().segment<2>(inertial::kGravity).maxCoeff());
 }
 
 State Odometry::next_state(Cause cause) {

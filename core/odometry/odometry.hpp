@@ -9,6 +9,8 @@
 #include "core/odometry/environment.hpp"
 #include "core/odometry/iterated_update.hpp"
 #include "core/odometry/localisability.hpp"
+#include "core/odometry/map_drift.hpp"
+#include "core/odometry/motion_covariance.hpp"
 #include "core/odometry/odometry_config.hpp"
 #include "core/psf/particle_swarm_filter.hpp"
 
@@ -49,7 +51,9 @@ struct OdometryResult {
   geometry::Se3 T_odom_base;
   geometry::Se3 T_odom_imu;
   Eigen::Vector3d v_odom_base = Eigen::Vector3d::Zero();
-  geometry::Matrix6d P_odom_base = geometry::Matrix6d::Identity();
+  geometry::Matrix6d P_odom_base = geometry::Matrix6d::Identity();  // against what lies around: see SurroundingsDrift
+  Eigen::Vector3d up_odom = Eigen::Vector3d::UnitZ();  // the vertical as estimated: odom leans by its angle to z
+  double up_std_rad = 0.0;
   std::uint8_t weak_axes = 0;  // bits 0..2: x, y, z of odom; 3..5: turns about them
   std::uint8_t weak_axes_base = 0;  // the same, of base
   Localisability localisability;
@@ -81,6 +85,12 @@ class Odometry {
                          std::span<const sensor::ImuSample> samples,
                          std::span<const sensor::WheelSample> wheels = {});
 
+  /// What the last scan adds to the covariance of motions: see MotionCovariance.
+  const MotionStep& motion() const { return motion_; }
+
+  /// What the covariance of the pose has beside the filter's own: errors that all points share, and the map's drift.
+  const geometry::Matrix6d& shared_errors() const { return shared_errors_; }
+
   const inertial::NavState& state() const { return state_; }
   const inertial::Covariance& covariance() const { return P_; }
   const map::VoxelMap& map() const { return map_; }
@@ -99,6 +109,7 @@ class Odometry {
   Cause judge(const UpdateResult& update) const;
   void extend_map(const scan::DeskewedScan& scan);
   OdometryResult result_of(const scan::DeskewedScan& scan, Cause cause, const UpdateResult& update);
+  void note_uncertainty(double median_range_m, const geometry::Matrix6d& J_base_imu, OdometryResult& result);
   State next_state(Cause cause);
   std::span<const Eigen::Vector3f> swarm_points(const scan::DeskewedScan& scan);
 
@@ -123,6 +134,10 @@ class Odometry {
   int restart_said_ = 0;            // scans for which the map's restart is still said
   std::uint32_t map_restarts_ = 0;
   Stamp last_scan_end_{};
+  MotionStep motion_;
+  SurroundingsDrift drift_;
+  std::uint32_t said_restarts_ = 0;
+  geometry::Matrix6d shared_errors_ = geometry::Matrix6d::Zero();
   // scratch, sized once
   BoundedVector<registration::Constraint> constraints_;
   BoundedVector<Eigen::Vector3f> points_odom_;

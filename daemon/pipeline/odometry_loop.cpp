@@ -36,7 +36,7 @@ void OdometryLoop::process(JobPool::Handle job) {
   const odometry::OdometryResult& result = job->result;
   const odometry::Odometry& odometry = stage_.odometry();
   job->anchor = {odometry.state(), odometry.covariance(), result.state, result.cause, result.weak_axes, job->scan.epoch,
-                 result.map_restarts};
+                 result.map_restarts, odometry.shared_errors()};
   rings_.feedback.try_push(stage_.feedback());  // twice as long as the jobs that can be under way
 
   if (result.state != counts_.state || result.cause != counts_.cause) {

@@ -109,7 +109,8 @@ PredictedPose PoseStage::shown(const NavState& state, const Eigen::Vector3d& rat
   Matrix6d J = Matrix6d::Identity();
   J.topRightCorner<3, 3>() = -R_odom_imu * geometry::skew(T_imu_base.translation());
   J.bottomRightCorner<3, 3>() = config_.T_base_imu.rotation();
-  pose.P_odom_base = J * P_.block<6, 6>(inertial::kPosition, inertial::kPosition) * J.transpose();
+  pose.P_odom_base =
+      J * P_.block<6, 6>(inertial::kPosition, inertial::kPosition) * J.transpose() + anchor_.shared_errors;
   pose.P_velocity_odom = P_.block<3, 3>(inertial::kVelocity, inertial::kVelocity);
   pose.reset_counter = reset_counter_;
   pose.state = anchor_.odometry_state;

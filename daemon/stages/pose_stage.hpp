@@ -18,6 +18,7 @@ struct Anchor {
   std::uint8_t weak_axes = 0;
   std::uint32_t epoch = 1;  // of odom: another one than before is another odom
   std::uint32_t map_restarts = 0;
+  geometry::Matrix6d shared_errors = geometry::Matrix6d::Zero();  // of T_odom_base, beside P: Odometry::shared_errors
 };
 
 /// The pose at one inertial sample.

@@ -1,6 +1,7 @@
 #include "daemon/stages/preprocess_stage.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <ctime>
 
 namespace slamd::stages {
@@ -11,6 +12,8 @@ namespace {
 
 /// Inertial samples that one scan carries to the odometry: a silence of the LiDAR of twenty seconds at 200 Hz.
 constexpr std::size_t kMaxImuPerScan = 4096;
+/// Slower wheels may be noise.
+constexpr double kTurningWheels_mps = 0.05;
 /// The same of the wheels: ten seconds at 100 Hz.
 constexpr std::size_t kMaxWheelsPerScan = 1024;
 
@@ -69,6 +72,9 @@ void PreprocessStage::add_wheel(const sensor::WheelSample& sample) {
   if (!pending_wheels_.empty() && sample.stamp <= pending_wheels_[pending_wheels_.size() - 1].stamp) {
     return;
   }
+  if (!alignment_ && std::abs(sample.speed_mps) > kTurningWheels_mps) {
+    aligner_.note_moving();
+  }
   if (!pending_wheels_.try_push_back(sample)) {
     pending_wheels_.clear();
     pending_wheels_.push_back(sample);
@@ -99,7 +105,11 @@ bool PreprocessStage::start(const sensor::Scan& scan, PreprocessedScan& out) {
     first_.state.stamp = scan.end;
   } else if (alignment_ && alignment_->state.stamp <= scan.begin) {
     out.start = alignment_;
-    first_.state = alignment_->state;
+    if (!alignment_->at_rest && !pending_wheels_.empty()) {
+      const double speed_mps = pending_wheels_[pending_wheels_.size() - 1].speed_mps;
+      out.start = inertial::with_wheel_speed(*alignment_, speed_mps, config_.T_base_imu);
+    }
+    first_.state = out.start->state;
   } else {
     return false;
   }

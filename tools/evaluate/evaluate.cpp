@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "drivers/recording/tum.hpp"
+#include "tools/evaluate/motions.hpp"
 
 namespace slamd::evaluate {
 
@@ -93,7 +94,8 @@ std::string table_of(const Measures& m, const Options& options) {
   }
   std::snprintf(line, sizeof line, "end drift: %.4f m, %.4f %% of the path (displacement from first to last pose, SE(3)-aligned)\n",
                 m.end_drift_m, m.reference_path_m > 0.0 ? 100.0 * m.end_drift_m / m.reference_path_m : 0.0);
-  return text + line;
+  text += line;
+  return m.motions ? text + evaluate::table_of(*m.motions) : text;
 }
 
 }  // namespace
@@ -137,6 +139,9 @@ std::string json_of(const Measures& m) {
   json["tilt_deg"] = json_of(m.tilt_rad, kDegree);
   json["end_drift_m"] = m.end_drift_m;
   json["end_drift_percent"] = m.reference_path_m > 0.0 ? 100.0 * m.end_drift_m / m.reference_path_m : 0.0;
+  if (m.motions) {
+    json["motions"] = ordered_json::parse(json_of(*m.motions));
+  }
   return json.dump(2) + "\n";
 }
 
@@ -150,7 +155,18 @@ std::string evaluate(const Options& options) {
   }
   const std::vector<PosePair> pairs =
       associate(resolved, read(options.reference, options.times), read(options.estimate, options.times));
-  const Measures measures = measure(pairs, resolved);
+  Measures measures = measure(pairs, resolved);
+  if (!resolved.motions.empty()) {
+    std::vector<evaluation::MotionClaim> claims = read_motions(resolved.motions);
+    for (evaluation::MotionClaim& claim : claims) {
+      claim.first += from_seconds(resolved.offset_s);
+      claim.last += from_seconds(resolved.offset_s);
+    }
+    measures.motions = evaluation::consistency_of(evaluation::motion_errors(pairs, claims));
+    if (measures.motions->pose.count == 0) {
+      throw std::runtime_error(resolved.motions + " and " + resolved.estimate + " have no stamps in common");
+    }
+  }
   return options.json ? json_of(measures) : table_of(measures, options);
 }
 

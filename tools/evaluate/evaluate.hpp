@@ -1,8 +1,10 @@
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "core/evaluation/errors.hpp"
+#include "core/evaluation/nees.hpp"
 
 namespace slamd::evaluate {
 
@@ -10,6 +12,7 @@ struct Options {
   std::string reference;
   std::string estimate;
   std::string times;  // of KITTI rows; empty: TUM
+  std::string motions;  // motions.csv beside the estimate; empty: none
   std::string unit = "m";
   evaluation::PairRule rule{.delta = 10.0, .unit = evaluation::DeltaUnit::kMetres};
   double max_gap_s = 1.0;
@@ -32,6 +35,7 @@ struct Measures {
   evaluation::KittiErrors kitti;
   evaluation::Statistics tilt_rad;
   double end_drift_m = 0.0;
+  std::optional<evaluation::MotionConsistency> motions;
   bool collinear = false;  // SE(3) could not be found: a straight path
 };
 

@@ -14,6 +14,7 @@ void declare(CLI::App& app, evaluate::Options& options) {
   app.add_option("REFERENCE", options.reference, "TUM file; or KITTI rows, with --times")->required();
   app.add_option("ESTIMATE", options.estimate, "TUM file; or KITTI rows, with --times")->required();
   app.add_option("--times", options.times, "Stamps of KITTI rows, s, one a line");
+  app.add_option("--motions", options.motions, "motions.csv of the estimate: also tell whether its covariances can be believed");
   app.add_flag("--json", options.json, "Print JSON");
   app.add_flag("--evo", options.evo, "Associate nearest stamps by evo's rules (10 ms) instead of interpolating");
   app.add_option("--offset", options.offset_s, "Seconds to add to the estimate's stamps")->capture_default_str();

@@ -82,7 +82,7 @@ ordered_json states_of(const Run& run) {
 }
 
 void write_scan_header(std::FILE* file) {
-  std::fputs("timestamp_ns,state,cause,weak_axes,weak_x,weak_y,weak_z,share,raw_share,matched,inliers", file);
+  std::fputs("timestamp_ns,state,cause,weak_axes,weak_x,weak_y,weak_z,share,raw_share,matched,inliers,up_x,up_y,up_std_rad", file);
   for (int row = 0; row < 6; ++row) {
     for (int column = row; column < 6; ++column) {
       std::fprintf(file, ",P%d%d", row, column);
@@ -94,9 +94,10 @@ void write_scan_header(std::FILE* file) {
 /// A scan's state and covariance; the same order as pose_covariance of pose_t.
 void write_scan_row(std::FILE* file, const odometry::OdometryResult& result) {
   const odometry::Localisability& weak = result.localisability;
-  std::fprintf(file, "%lld,%s,%d,%d,%.4f,%.4f,%.4f,%.6f,%.6f,%.4f,%.4f", static_cast<long long>(result.stamp.time_since_epoch().count()),
+  std::fprintf(file, "%lld,%s,%d,%d,%.4f,%.4f,%.4f,%.6f,%.6f,%.4f,%.4f,%.6f,%.6f,%.6f", static_cast<long long>(result.stamp.time_since_epoch().count()),
                name_of(result.state), static_cast<int>(result.cause), result.weak_axes, weak.weakest_odom.x(),
-               weak.weakest_odom.y(), weak.weakest_odom.z(), weak.share, weak.raw_share, result.update.matched_ratio, result.update.inlier_ratio);
+               weak.weakest_odom.y(), weak.weakest_odom.z(), weak.share, weak.raw_share, result.update.matched_ratio, result.update.inlier_ratio,
+               result.up_odom.x(), result.up_odom.y(), result.up_std_rad);
   for (int row = 0; row < 6; ++row) {
     for (int column = row; column < 6; ++column) {
       std::fprintf(file, ",%.6e", result.P_odom_base(row, column));
@@ -111,18 +112,20 @@ ProductWriter::ProductWriter(const std::filesystem::path& directory, double map_
     : odometry_(open(directory / "odometry.tum")),
       trajectory_(open(directory / "trajectory.tum")),
       scans_(open(directory / "scans.csv")),
+      motions_(open(directory / "motions.csv")),
       map_(directory / "map.ply"),
       sampler_(kMaxMapPoints) {
   write_scan_header(scans_.get());
   sampler_.reset(static_cast<float>(map_spacing_m), kMaxMapPoints);
 }
 
-void ProductWriter::add(const ScanRecord& record, const scan::DeskewedScan& scan) {
+void ProductWriter::add(const ScanRecord& record, const scan::DeskewedScan& scan, const odometry::MotionStep& motion) {
   const odometry::OdometryResult& result = record.odometry;
   recording::write_tum_line(odometry_.get(), result.stamp, result.T_odom_base);
   // T_map_odom is identity until there are loops.
   recording::write_tum_line(trajectory_.get(), result.stamp, result.T_odom_base);
   write_scan_row(scans_.get(), result);
+  motion_log_.add(result.stamp, motion);
   if (!result.map_updated && result.scan_index != 0) {
     return;
   }
@@ -138,7 +141,8 @@ void ProductWriter::add(const ScanRecord& record, const scan::DeskewedScan& scan
 }
 
 void ProductWriter::close() {
-  for (auto* stream : {&odometry_, &trajectory_, &scans_}) {
+  write_motions(motions_.get(), motion_log_.claims());
+  for (auto* stream : {&odometry_, &trajectory_, &scans_, &motions_}) {
     if (std::fclose(stream->release()) != 0) {
       throw std::runtime_error(std::string("a product could not be written whole: ") + std::strerror(errno));
     }
@@ -202,6 +206,11 @@ std::string report_json(const Recording& recording, const Run& run, const std::s
   report["states"] = states_of(run);
   if (run.alignment) {
     report["start"] = {{"at_rest", run.alignment->at_rest}, {"tilt_std_deg", run.alignment->tilt_std_rad * 180.0 / M_PI}};
+  }
+  if (run.alignment && !run.scans.empty()) {
+    const odometry::OdometryResult& last = run.scans.back().odometry;
+    const double tilt_rad = std::atan2(last.up_odom.head<2>().norm(), last.up_odom.z());
+    report["gravity"] = {{"odom_tilt_deg", tilt_rad * 180.0 / M_PI}, {"std_deg", last.up_std_rad * 180.0 / M_PI}};
   }
   if (!accuracy.empty()) {
     report["accuracy"] = ordered_json::parse(accuracy);

@@ -10,19 +10,23 @@
 #include "core/scan/voxel_sampler.hpp"
 #include "drivers/storage/ply_writer.hpp"
 #include "tools/plot/even_sample.hpp"
+#include "tools/replay/motion_log.hpp"
 #include "tools/replay/replay.hpp"
 
 namespace slamd::replay {
 
-/// Writes a run's products while it goes on: odometry.tum, trajectory.tum, scans.csv and map.ply.
+/// Writes a run's products while it goes on: odometry.tum, trajectory.tum, scans.csv, map.ply, and motions.csv at its end.
 ///
 /// map.ply holds one point of each cube of the map's spacing, in the order in which they were seen.
 class ProductWriter {
  public:
   ProductWriter(const std::filesystem::path& directory, double map_spacing_m);
 
-  void add(const ScanRecord& record, const scan::DeskewedScan& scan);
+  void add(const ScanRecord& record, const scan::DeskewedScan& scan, const odometry::MotionStep& motion);
   void close();
+
+  /// What the run says of its motions.
+  const std::vector<evaluation::MotionClaim>& motions() const { return motion_log_.claims(); }
 
   /// A thinned copy of the map for pictures.
   const std::vector<Eigen::Vector3f>& picture_points() const { return picture_points_.points(); }
@@ -34,6 +38,8 @@ class ProductWriter {
   std::unique_ptr<std::FILE, int (*)(std::FILE*)> odometry_;
   std::unique_ptr<std::FILE, int (*)(std::FILE*)> trajectory_;
   std::unique_ptr<std::FILE, int (*)(std::FILE*)> scans_;
+  std::unique_ptr<std::FILE, int (*)(std::FILE*)> motions_;
+  MotionLog motion_log_;
   storage::PlyWriter map_;
   scan::VoxelSampler sampler_;
   plot::EvenSample picture_points_{kMaxPicturePoints};

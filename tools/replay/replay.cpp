@@ -174,7 +174,7 @@ class Player {
     }
     run_.scans.push_back({*result, front_end_.times(), decode_ms_});
     if (sinks_.scan) {
-      sinks_.scan(run_.scans.back(), front_end_.deskewed());
+      sinks_.scan(run_.scans.back(), front_end_.deskewed(), front_end_.odometry().motion());
     }
   }
 

@@ -38,7 +38,7 @@ struct Run {
 
 /// Where a run's products go while it goes on.
 struct Sinks {
-  std::function<void(const ScanRecord&, const scan::DeskewedScan&)> scan;
+  std::function<void(const ScanRecord&, const scan::DeskewedScan&, const odometry::MotionStep&)> scan;
   std::function<void(double share)> progress;  // of the recording, 0..1
 };
 

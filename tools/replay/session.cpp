@@ -10,6 +10,7 @@
 
 #include "daemon/configuration/key_table.hpp"
 #include "drivers/recording/tum.hpp"
+#include "tools/evaluate/motions.hpp"
 #include "tools/report/accuracy.hpp"
 #include "tools/report/report.hpp"
 
@@ -79,8 +80,12 @@ std::string Session::filter_name() const {
 
 void Session::run_with(const std::function<Run(const Sinks&)>& replay, const std::function<void(double)>& progress) {
   ProductWriter writer(directory_, recording_.configuration.output.map_spacing_m);
-  run_ = replay({[&](const ScanRecord& record, const scan::DeskewedScan& scan) { writer.add(record, scan); }, progress});
+  run_ = replay({[&](const ScanRecord& record, const scan::DeskewedScan& scan, const odometry::MotionStep& motion) {
+                   writer.add(record, scan, motion);
+                 },
+                 progress});
   writer.close();
+  motions_ = writer.motions();
   map_points_ = writer.picture_points();
 }
 
@@ -113,6 +118,9 @@ std::string Session::json() const {
   const auto add = [&](const std::string& filter, const Run& run) {
     if (const auto found = report::accuracy_of(filter_run(filter, run), truth_)) {
       accuracy[filter] = accuracy_json(*found);
+      if (const auto errors = evaluation::motion_errors(found->pairs, motions_); &run == &run_ && !errors.empty()) {
+        accuracy[filter]["motions_10m"] = ordered_json::parse(evaluate::json_of(evaluation::consistency_of(errors)));
+      }
     }
   };
   add(filter_name(), run_);

@@ -16,7 +16,7 @@ class Session {
  public:
   Session(Recording recording, std::filesystem::path directory);
 
-  /// Maps the recording; writes odometry.tum, trajectory.tum and map.ply. Errors: RecordingError.
+  /// Maps the recording; writes odometry.tum, trajectory.tum, scans.csv, motions.csv and map.ply. Errors: RecordingError.
   void run(const std::function<void(double)>& progress);
 
   /// Maps what a source gives in place of a recording's packets, against its truth; writes the same.
@@ -42,6 +42,7 @@ class Session {
   std::filesystem::path directory_;
   evaluation::Trajectory truth_;
   Run run_;
+  std::vector<evaluation::MotionClaim> motions_;
   std::vector<Eigen::Vector3f> map_points_;
   std::string compared_filter_;
   std::optional<Run> compared_;

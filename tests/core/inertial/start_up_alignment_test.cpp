@@ -86,5 +86,36 @@ TEST(StartUpAlignment, TakesAMovingStartWhenPatienceEnds) {
   EXPECT_GT(result->tilt_std_rad, 0.05);
 }
 
+TEST(StartUpAlignment, DoesNotTakeASteadyAccelerationForASlopeWhenTheWheelsTurn) {
+  std::mt19937_64 engine(4);
+  StartUpAlignment sut{StartUpConfig{}};
+  std::optional<Alignment> result;
+  Stamp now{};
+  for (; !result && now < Stamp{} + std::chrono::seconds(10); now += std::chrono::milliseconds(5)) {
+    ImuSample sample = at_rest(now, Eigen::Matrix3d::Identity(), engine);
+    const bool speeds_up = now < Stamp{} + std::chrono::milliseconds(1500);
+    sample.specific_force_mps2.x() += speeds_up ? 0.8 : 0.0;
+    sut.note_moving();
+    result = sut.add(sample, geometry::Se3());
+  }
+
+  ASSERT_TRUE(result.has_value());
+  EXPECT_FALSE(result->at_rest);
+  EXPECT_LT(geometry::angle_between(result->state.T_odom_imu.rotation(), Eigen::Matrix3d::Identity()), 0.003);
+}
+
+TEST(StartUpAlignment, TakesTheWheelsSpeedStraightAhead) {
+  const Eigen::Matrix3d R_base_imu = geometry::rotation_from_rpy({0.3, -0.2, 2.0});
+  const Eigen::Matrix3d R_odom_base = geometry::rotation_from_rpy({0.0, -0.1, 0.0});
+  Alignment alignment;
+  alignment.at_rest = false;
+  alignment.state.T_odom_imu = geometry::Se3(R_odom_base * R_base_imu, Eigen::Vector3d::Zero());
+
+  const Alignment sut = with_wheel_speed(alignment, 1.5, geometry::Se3(R_base_imu, {0.1, 0.0, 0.2}));
+
+  EXPECT_LT((sut.state.v_odom_imu - R_odom_base * Eigen::Vector3d(1.5, 0.0, 0.0)).norm(), 1e-9);
+  EXPECT_LT(sut.P(kVelocity, kVelocity), 0.1);
+}
+
 }  // namespace
 }  // namespace slamd::inertial

@@ -4,6 +4,8 @@
 
 #include <cmath>
 
+#include <Eigen/Eigenvalues>
+
 #include "core/inertial/propagation.hpp"
 #include "tests/support/allocation_guard.hpp"
 
@@ -82,7 +84,7 @@ TEST(WheelUpdate, CarriesWhatTheLidarSaysOfTheWayOverToTheScale) {
   for (int second = 0; second < 10; ++second) {
     for (int i = 0; i < 50; ++i) {
       propagate_constant_velocity(fixture.state, fixture.P, fixture.state.stamp + std::chrono::milliseconds(20), {0.1, 0.1},
-                                  &fixture.sut.cross());
+                                  &fixture.sut.followers());
       fixture.add(kSpeed_mps / 1.02);
     }
     NavState posterior = fixture.state;
@@ -105,6 +107,36 @@ TEST(WheelUpdate, DoesNotAllocate) {
   Fixture fixture(0.1);
 
   EXPECT_EQ(support::count_allocations([&] { fixture.add(kSpeed_mps); }), 0U);
+}
+
+TEST(WheelUpdate, HandsOnItsErrorsByATransitionThatLeavesOnlyWhatNoiseAdds) {
+  Fixture fixture(0.3);
+  const auto whole = [&] {
+    Transition P;
+    const ErrorState cross = fixture.sut.cross();
+    P << fixture.P, cross, cross.transpose(), fixture.sut.scale_variance();
+    return P;
+  };
+  for (int i = 0; i < 5; ++i) {
+    fixture.add(kSpeed_mps);
+  }
+  const Transition before = whole();
+  fixture.sut.begin_transition();
+
+  for (int i = 0; i < 10; ++i) {
+    propagate_constant_velocity(fixture.state, fixture.P, fixture.state.stamp + std::chrono::milliseconds(20), {0.1, 0.1},
+                                &fixture.sut.followers());
+    fixture.add(kSpeed_mps);
+  }
+  const Covariance P_prior = fixture.P;
+  fixture.P = (P_prior.inverse() + 1e4 * Covariance::Identity()).inverse();
+  fixture.sut.follow(fixture.state, P_prior, fixture.state, fixture.P);
+
+  const Transition T = fixture.sut.transition();
+  const Transition noise = whole() - T * before * T.transpose();
+  EXPECT_GT(Eigen::SelfAdjointEigenSolver<Transition>(noise).eigenvalues().minCoeff(), -1e-12);
+  EXPECT_LT(noise.trace(), whole().trace());
+  EXPECT_GT(T(kErrorStates, kErrorStates), 0.1);  // the scale's own error lives on
 }
 
 }  // namespace

@@ -208,6 +208,31 @@ TEST_F(Evaluate, PrintsEachMeasureInATable) {
   }
 }
 
+TEST_F(Evaluate, TellsWhetherCovariancesCanBeBelieved) {
+  const Trajectory truth = eight();
+  Trajectory estimate = truth;
+  for (std::size_t i = 0; i < estimate.size(); ++i) {
+    estimate[i].T.translation().z() += i % 2 == 0 ? 0.0 : 0.02;
+  }
+  std::string rows = "timestamp_ns,since_ns,P00,P01,P02,P03,P04,P05,P11,P12,P13,P14,P15,P22,P23,P24,P25,P33,P34,P35,P44,P45,P55\n";
+  for (std::size_t i = 31; i < truth.size(); ++i) {
+    rows += std::to_string(truth[i].stamp.time_since_epoch().count()) + ",3100000000" +
+            ",1e-4,0,0,0,0,0,1e-4,0,0,0,0,1e-4,0,0,0,1e-6,0,0,1e-6,0,1e-6\n";
+  }
+  Options options;
+  options.motions = write("motions.csv", rows);
+
+  const json sut = compared(truth, estimate, options);
+
+  EXPECT_EQ(sut["motions"]["motions"], truth.size() - 31);
+  EXPECT_NEAR(sut["motions"]["z"]["mean"].get<double>(), 4.0, 0.05);  // 2 cm where 1 cm was claimed
+  EXPECT_LT(sut["motions"]["z"]["inside_95"].get<double>(), 0.1);
+  EXPECT_GT(sut["motions"]["rotation"]["inside_95"].get<double>(), 0.99);
+  options.reference = folder_ / "reference.tum";
+  options.estimate = folder_ / "estimate.tum";
+  EXPECT_NE(evaluate(options).find("within 95 %"), std::string::npos);
+}
+
 TEST_F(Evaluate, SaysInOneLineWhatIsWrongWithAFile) {
   const std::string good = "1.0 0 0 0 0 0 0 1\n2.0 1 0 0 0 0 0 1\n3.0 1 1 0 0 0 0 1\n";
   const std::string estimate = (folder_ / "estimate.tum").string();
