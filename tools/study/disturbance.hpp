@@ -12,8 +12,8 @@
 
 namespace slamd::study {
 
-/// How large an error of the prediction is drawn: uniformly up to so much in x, y and yaw, and up to 0.3 of it in z,
-/// roll and pitch, which gravity holds (methods.md 1.4).
+/// How large an error of the prediction is drawn: uniformly up to so much in x, y and yaw, and up
+/// to 0.3 of it in z, roll and pitch, which gravity holds (methods.md 1.4).
 struct ErrorSize {
   double position_m = 0.0;
   double rotation_deg = 0.0;
@@ -30,8 +30,9 @@ geometry::Vector6d error_of(const ErrorSize& size, const geometry::Vector6d& uni
 /// The covariance of what is drawn: what a filter is told of it.
 inertial::Covariance covariance_of(const ErrorSize& size);
 
-/// What is wrong with the inertial sensor and the scans during one run: white noise of ten times its density, a step
-/// of the biases (2 to 5 °/s, 0.1 to 0.3 m/s²), a gap of 0.5 to 2 s, every tenth scan and five in a row missing.
+/// What is wrong with the inertial sensor and the scans during one run: white noise of ten times
+/// its density, a step of the biases (2 to 5 °/s, 0.1 to 0.3 m/s²), a gap of 0.5 to 2 s, every
+/// tenth scan and five in a row missing.
 struct Degradation {
   Stamp bias_step_at{};
   Eigen::Vector3d gyro_bias_radps = Eigen::Vector3d::Zero();
@@ -39,12 +40,20 @@ struct Degradation {
   Stamp gap_begin{};
   Stamp gap_end{};
   std::vector<bool> scan_dropped;
-  std::vector<sensor::ImuSample> imu;       // of the run, as it is now
-  inertial::Covariance told_at_scans = inertial::Covariance::Zero();  // what the noise adds during a scan
-  inertial::Covariance told_at_step = inertial::Covariance::Zero();   // what the steps of the biases add, once
+  std::vector<sensor::ImuSample> imu;  // of the run, as it is now
+  // What a filter is told: what the noise adds during a scan, and the steps of the biases once.
+  inertial::Covariance told_at_scans = inertial::Covariance::Zero();
+  inertial::Covariance told_at_step = inertial::Covariance::Zero();
+  bool step_told = false;
+
+  /// Returns what is to be told before a scan that ends then.
+  inertial::Covariance told_at(Stamp scan_end);
 };
 
 /// Draws what goes wrong in the `scans` scans from `first` on, and spoils the samples.
-Degradation drawn_degradation(const RecordedDrive& drive, std::size_t first, std::size_t scans, psf::Random& random);
+Degradation drawn_degradation(const RecordedDrive& drive,
+                              std::size_t first,
+                              std::size_t scans,
+                              psf::Random& random);
 
 }  // namespace slamd::study

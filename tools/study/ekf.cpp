@@ -18,11 +18,12 @@ std::size_t constraints_of(const odometry::OdometryConfig& config) {
 
 }  // namespace
 
-Ekf::Ekf(const odometry::OdometryConfig& config) : config_(config.update), constraints_(constraints_of(config)) {}
+Ekf::Ekf(const odometry::OdometryConfig& config)
+    : config_(config.update), constraints_(constraints_of(config)) {}
 
 UpdateResult Ekf::update(const Task& task) {
-  return odometry::iterated_update(task.prior, task.P_prior, task.scan, task.map, task.prior.T_odom_imu, config_,
-                                   constraints_);
+  return odometry::iterated_update(
+      task.prior, task.P_prior, task.scan, task.map, task.prior.T_odom_imu, config_, constraints_);
 }
 
 CoarseToFineEkf::CoarseToFineEkf(const odometry::OdometryConfig& config)
@@ -32,11 +33,21 @@ UpdateResult CoarseToFineEkf::update(const Task& task) {
   const Se3 T_odom_imu = coarse_to_fine(task);
   const Vector6d apart = geometry::boxminus(T_odom_imu, task.prior.T_odom_imu);
   if (apart.head<3>().norm() < psf_.same_mode_m && apart.tail<3>().norm() < psf_.same_mode_rad) {
-    return odometry::iterated_update(task.prior, task.P_prior, task.scan, task.map, task.prior.T_odom_imu, config_,
+    return odometry::iterated_update(task.prior,
+                                     task.P_prior,
+                                     task.scan,
+                                     task.map,
+                                     task.prior.T_odom_imu,
+                                     config_,
                                      constraints_);
   }
-  UpdateResult result = odometry::iterated_update(task.prior, widened(task, T_odom_imu), task.scan, task.map,
-                                                  T_odom_imu, config_, constraints_);
+  UpdateResult result = odometry::iterated_update(task.prior,
+                                                  widened(task, T_odom_imu),
+                                                  task.scan,
+                                                  task.map,
+                                                  T_odom_imu,
+                                                  config_,
+                                                  constraints_);
   result.innovation = 0.0;  // there is no prior left that it could contradict
   return result;
 }
@@ -44,7 +55,8 @@ UpdateResult CoarseToFineEkf::update(const Task& task) {
 Se3 CoarseToFineEkf::coarse_to_fine(const Task& task) {
   const registration::GaussNewtonConfig config{
       .iterations = 30, .gate_first_m = 2.0F, .gate_last_m = 0.3F, .coarse_iterations = 15};
-  return registration::align_to_surfaces(task.points_imu, task.map, task.prior.T_odom_imu, config, constraints_);
+  return registration::align_to_surfaces(
+      task.points_imu, task.map, task.prior.T_odom_imu, config, constraints_);
 }
 
 inertial::Covariance CoarseToFineEkf::widened(const Task& task, const Se3& T_odom_imu) const {

@@ -52,7 +52,8 @@ UpdateResult posterior_of(const Task& task,
   result.P = task.P_prior + K * (P_pose - P_prior_pose) * K.transpose();
   result.P = (0.5 * (result.P + result.P.transpose())).eval();
 
-  registration::associate(task.scan, task.map, result.state.T_odom_imu, config.association, scratch);
+  registration::associate(
+      task.scan, task.map, result.state.T_odom_imu, config.association, scratch);
   const registration::NormalEquations sum =
       registration::linearize(scratch.view(), result.state.T_odom_imu, config.kernel_m);
   const auto features = static_cast<double>(task.scan.planar.size() + task.scan.edge.size());
@@ -60,7 +61,8 @@ UpdateResult posterior_of(const Task& task,
   result.constraints = sum.count;
   result.enough = sum.count >= config.min_constraints;
   result.matched_ratio = features == 0.0 ? 0.0 : static_cast<double>(sum.count) / features;
-  result.inlier_ratio = sum.count == 0 ? 0.0 : static_cast<double>(sum.inliers) / static_cast<double>(sum.count);
+  result.inlier_ratio =
+      sum.count == 0 ? 0.0 : static_cast<double>(sum.inliers) / static_cast<double>(sum.count);
   return result;
 }
 

@@ -13,10 +13,11 @@ enum class TimeSteps {
   kSlices,     // the scan comes in ten slices: step t knows the first t of them
 };
 
-/// The particle swarm filter as [Liu22] describes it, literally: particles in a little square of fixed side around the
-/// prediction, ten time steps of the swarm with multinomial resampling, the EKF as suggested density, and only then
-/// the map's update. No widening of the square, no annealing, no recovery, no gate: those are the product's.
-/// Source: [Liu22]. It leaves the number of particles, the weights' and the swarm's coefficients open: design.md's.
+/// The particle swarm filter as [Liu22] describes it, literally: particles in a little square of
+/// fixed side around the prediction, ten time steps of the swarm with multinomial resampling, the
+/// EKF as suggested density, and only then the map's update. No widening of the square, no
+/// annealing, no recovery, no gate: those are the product's. Source: [Liu22]. It leaves the number
+/// of particles, the weights' and the swarm's coefficients open: design.md's.
 class LiteralPsf : public Estimator {
  public:
   static constexpr std::size_t kParticles = 32;  // as the product's little swarm
@@ -28,9 +29,12 @@ class LiteralPsf : public Estimator {
  private:
   void little_square(bool indoor, psf::Random& random);
   void ten_time_steps(const Task& task, psf::Random& random);
-  std::span<const Eigen::Vector3f> received_by(int step, std::span<const Eigen::Vector3f> points_imu) const;
+  std::span<const Eigen::Vector3f> received_by(int step,
+                                               std::span<const Eigen::Vector3f> points_imu) const;
   void suggested_density(const Task& task, psf::Random& random);
-  geometry::Vector6d ekf_draw(const Task& task, const geometry::Matrix6d& P_prior_inverse, const geometry::Vector6d& xi,
+  geometry::Vector6d ekf_draw(const Task& task,
+                              const geometry::Matrix6d& P_prior_inverse,
+                              const geometry::Vector6d& xi,
                               psf::Random& random);
   odometry::UpdateResult estimate(const Task& task);
   float log_likelihood(const Task& task, const geometry::Vector6d& xi) const;

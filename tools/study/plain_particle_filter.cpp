@@ -40,9 +40,11 @@ void PlainParticleFilter::sample_prior(const Task& task, psf::Random& random) {
 std::vector<double> PlainParticleFilter::importance_weights(const Task& task) {
   std::vector<float> log_likelihoods;
   for (const Vector6d& particle : particles_) {
-    log_likelihoods.push_back(likelihood_.with_look_ups(task.map, 0,
-                                                        geometry::boxplus(task.prior.T_odom_imu, particle),
-                                                        static_cast<float>(psf_.sigma_last_m)));
+    log_likelihoods.push_back(
+        likelihood_.with_look_ups(task.map,
+                                  0,
+                                  geometry::boxplus(task.prior.T_odom_imu, particle),
+                                  static_cast<float>(psf_.sigma_last_m)));
   }
   return weights_of(log_likelihoods, independent_points(task, config_));
 }

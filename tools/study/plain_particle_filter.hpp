@@ -7,10 +7,10 @@
 
 namespace slamd::study {
 
-/// A particle filter without a swarm: sampling importance resampling of the pose, with as many evaluations of the
-/// likelihood as the literal PSF and the product's little swarm have.
-/// Source: x_i ~ p(x | x⁻), w_i ∝ p(z | x_i), resampling (Gordon, Salmond and Smith, 1993); between scans the particles
-/// are kept as their mean and covariance (Kotecha and Djurić, 2003).
+/// A particle filter without a swarm: sampling importance resampling of the pose, with as many
+/// evaluations of the likelihood as the literal PSF and the product's little swarm have. Source:
+/// x_i ~ p(x | x⁻), w_i ∝ p(z | x_i), resampling (Gordon, Salmond and Smith, 1993); between scans
+/// the particles are kept as their mean and covariance (Kotecha and Djurić, 2003).
 class PlainParticleFilter : public Estimator {
  public:
   static constexpr std::size_t kParticles = 320;

@@ -14,6 +14,7 @@
 
 #include "core/inertial/propagation.hpp"
 #include "daemon/stages/preprocess_stage.hpp"
+#include "tools/simulate/scenery.hpp"
 #include "tools/study/ekf.hpp"
 #include "tools/study/literal_psf.hpp"
 #include "tools/study/plain_particle_filter.hpp"
@@ -31,11 +32,13 @@ const std::string kPsf = "PSF";
 const std::string kSlices = "literal PSF, slices";
 const std::string kDegraded = "degraded IMU";
 
-constexpr std::array<ErrorSize, 4> kRegistrationErrors{{{0.25, 2.5}, {0.5, 5.0}, {1.0, 10.0}, {1.5, 20.0}}};
+constexpr std::array<ErrorSize, 4> kRegistrationErrors{
+    {{0.25, 2.5}, {0.5, 5.0}, {1.0, 10.0}, {1.5, 20.0}}};
 constexpr std::array<ErrorSize, 3> kBursts{{{0.5, 5.0}, {1.0, 10.0}, {1.5, 20.0}}};
 constexpr std::size_t kFirstScan = 40;  // of a drive: the map has been begun
 
-/// How long a packet may be on its way: samples after that have not arrived when a scan is processed.
+/// How long a packet may be on its way: samples after that have not arrived when a scan is
+/// processed.
 constexpr Duration kArrived = stages::PreprocessStage::kImuPatience;
 
 /// The cells of a world, in the order of the tables.
@@ -86,7 +89,9 @@ struct PoseError {
   double position_m;
   double rotation_deg;
 
-  bool within(double limit_m, double limit_deg) const { return position_m <= limit_m && rotation_deg <= limit_deg; }
+  bool within(double limit_m, double limit_deg) const {
+    return position_m <= limit_m && rotation_deg <= limit_deg;
+  }
 };
 
 PoseError error_between(const Se3& estimate, const Se3& reference) {
@@ -98,7 +103,11 @@ PoseError error_between(const Se3& estimate, const Se3& reference) {
 class DriveStudy {
  public:
   DriveStudy(RecordedDrive drive, const std::vector<CellKey>& keys, std::uint64_t seed)
-      : drive_(std::move(drive)), seed_(seed), nominal_(drive_.config), fork_(drive_.config), keys_(keys) {
+      : drive_(std::move(drive)),
+        seed_(seed),
+        nominal_(drive_.config),
+        fork_(drive_.config),
+        keys_(keys) {
     estimators_["EKF"] = std::make_unique<Ekf>(drive_.config);
     estimators_["coarse-to-fine EKF"] = std::make_unique<CoarseToFineEkf>(drive_.config);
     estimators_["plain particle filter"] = std::make_unique<PlainParticleFilter>(drive_.config);
@@ -111,7 +120,8 @@ class DriveStudy {
   std::vector<Tally> run(std::size_t runs, const std::function<void(double)>& progress) {
     std::vector<Tally> tallies(keys_.size());
     if (drive_.scans.size() < kFirstScan + kRunScans + 1) {
-      throw std::runtime_error("a drive is too short: it has " + std::to_string(drive_.scans.size()) + " scans");
+      throw std::runtime_error("a drive is too short: it has " +
+                               std::to_string(drive_.scans.size()) + " scans");
     }
     const std::size_t places = drive_.scans.size() - kRunScans - kFirstScan;
     nominal_.start(drive_.start);
@@ -132,21 +142,31 @@ class DriveStudy {
   Estimator* estimator_of(const CellKey& key) { return estimators_.at(key.estimator).get(); }
 
   void take_part(std::size_t scan, std::size_t run, const CellKey& key, Tally& tally) {
-    key.experiment == Experiment::kRegistration ? register_scan(scan, run, key, tally) : track(scan, run, key, tally);
+    if (key.experiment == Experiment::kRegistration) {
+      register_scan(scan, run, key, tally);
+    } else {
+      track(scan, run, key, tally);
+    }
   }
 
   /// One scan from a prior that is wrong by a drawn error: where does the update end?
   void register_scan(std::size_t scan, std::size_t run, const CellKey& key, Tally& tally) {
-    const ErrorSize& size = *std::find_if(kRegistrationErrors.begin(), kRegistrationErrors.end(),
-                                          [&](const ErrorSize& s) { return s.name() == key.condition; });
+    const ErrorSize& size = *std::find_if(
+        kRegistrationErrors.begin(), kRegistrationErrors.end(), [&](const ErrorSize& s) {
+          return s.name() == key.condition;
+        });
     psf::Random random(mixed(seed_, run, 1), 0);
     inertial::NavState prior = nominal_.state();
     Covariance P = nominal_.covariance();
     const Stamp end = drive_.scans[scan].end;
-    inertial::propagate(prior, P, stages::bracket(arrived(drive_.imu, end), prior.stamp, end), end,
+    inertial::propagate(prior,
+                        P,
+                        stages::bracket(arrived(drive_.imu, end), prior.stamp, end),
+                        end,
                         drive_.config.imu_noise);
-    prior.T_odom_imu = geometry::boxplus(drive_.T_odom_imu[scan], error_of(size, drawn_unit_error(random)));
-    P += key.told ? covariance_of(size) : Covariance::Zero();
+    prior.T_odom_imu =
+        geometry::boxplus(drive_.T_odom_imu[scan], error_of(size, drawn_unit_error(random)));
+    P += told_of(key, covariance_of(size));
 
     nominal_.use(estimator_of(key), mixed(seed_, run, 2));
     const odometry::UpdateResult result = nominal_.registered(drive_.scans[scan], prior, P);
@@ -164,57 +184,58 @@ class DriveStudy {
   void track(std::size_t first, std::size_t run, const CellKey& key, Tally& tally) {
     fork_ = nominal_;
     fork_.use(estimator_of(key), mixed(seed_, run, 2));
-    const auto burst = std::find_if(kBursts.begin(), kBursts.end(),
-                                    [&](const ErrorSize& s) { return s.name() == key.condition; });
     psf::Random random(mixed(seed_, run, 3), 0);
+    const auto burst = std::find_if(kBursts.begin(), kBursts.end(), [&](const ErrorSize& size) {
+      return size.name() == key.condition;
+    });
     Degradation wrong;
-    if (key.condition == kDegraded) {
+    if (burst == kBursts.end()) {
       wrong = drawn_degradation(drive_, first, kRunScans, random);
     }
     PoseError error{};
     std::size_t off_in_a_row = 0;
-    bool lost = false;
-    bool step_told = false;
-    for (std::size_t i = 0; i < kRunScans && !lost; ++i) {
-      if (burst == kBursts.end()) {
-        if (wrong.scan_dropped[i]) {
-          continue;
-        }
-        if (key.told) {
-          const bool step = !step_told && drive_.scans[first + i].end >= wrong.bias_step_at;
-          step_told = step_told || step;
-          fork_.disturb(Vector6d::Zero(), step ? Covariance(wrong.told_at_scans + wrong.told_at_step)
-                                               : wrong.told_at_scans);
-        }
-        process(fork_, first + i, wrong.imu);
-      } else {
+    for (std::size_t i = 0; i < kRunScans && off_in_a_row < kBurstEvery; ++i) {
+      if (burst != kBursts.end()) {
         if (i % kBurstEvery == 0) {
           fork_.disturb(error_of(*burst, drawn_unit_error(random)),
-                        key.told ? covariance_of(*burst) : Covariance(Covariance::Zero()));
+                        told_of(key, covariance_of(*burst)));
         }
         process(fork_, first + i, drive_.imu);
+      } else if (wrong.scan_dropped[i]) {
+        continue;
+      } else {
+        fork_.disturb(Vector6d::Zero(), told_of(key, wrong.told_at(drive_.scans[first + i].end)));
+        process(fork_, first + i, wrong.imu);
       }
       error = error_between(fork_.state().T_odom_imu, drive_.T_odom_imu[first + i]);
       off_in_a_row = error.within(kLost_m, kLost_deg) ? 0 : off_in_a_row + 1;
-      lost = off_in_a_row >= kBurstEvery;
     }
-    lost = lost || off_in_a_row > 0;
     ++tally.n;
-    tally.hits += lost ? 1 : 0;
-    if (!lost) {
+    if (off_in_a_row > 0) {
+      ++tally.hits;
+    } else {
       tally.errors_m.push_back(error.position_m);
     }
   }
 
-  void process(StudyOdometry& odometry, std::size_t scan, std::span<const sensor::ImuSample> imu) const {
-    const Stamp end = drive_.scans[scan].end;
-    odometry.process(drive_.scans[scan], stages::bracket(arrived(imu, end), odometry.state().stamp, end));
+  static Covariance told_of(const CellKey& key, const Covariance& P) {
+    return key.told ? P : Covariance(Covariance::Zero());
   }
 
-  static std::span<const sensor::ImuSample> arrived(std::span<const sensor::ImuSample> imu, Stamp scan_end) {
-    const auto last = std::partition_point(imu.begin(), imu.end(), [&](const sensor::ImuSample& sample) {
-      return sample.stamp <= scan_end + kArrived;
-    });
+  void process(StudyOdometry& odometry,
+               std::size_t scan,
+               std::span<const sensor::ImuSample> imu) const {
+    const Stamp end = drive_.scans[scan].end;
+    odometry.process(drive_.scans[scan],
+                     stages::bracket(arrived(imu, end), odometry.state().stamp, end));
+  }
+
+  static std::span<const sensor::ImuSample> arrived(std::span<const sensor::ImuSample> imu,
+                                                    Stamp scan_end) {
+    const auto last =
+        std::partition_point(imu.begin(), imu.end(), [&](const sensor::ImuSample& sample) {
+          return sample.stamp <= scan_end + kArrived;
+        });
     return {imu.begin(), last};
   }
 
@@ -233,6 +254,12 @@ struct DriveResult {
   std::vector<Tally> tallies;
 };
 
+/// A world's place among all, so that its draws do not depend on which others are studied.
+std::size_t place_of(const std::string& world) {
+  const std::vector<std::string>& all = simulate::world_names();
+  return static_cast<std::size_t>(std::find(all.begin(), all.end(), world) - all.begin());
+}
+
 simulate::Drive drive_of(const StudyConfig& config, std::size_t world, std::size_t drive) {
   simulate::Drive simulated;
   simulated.world = config.worlds[world];
@@ -243,7 +270,9 @@ simulate::Drive drive_of(const StudyConfig& config, std::size_t world, std::size
   return simulated;
 }
 
-WorldResult world_result(const std::string& world, const std::vector<CellKey>& keys, std::span<const DriveResult> drives) {
+WorldResult world_result(const std::string& world,
+                         const std::vector<CellKey>& keys,
+                         std::span<const DriveResult> drives) {
   WorldResult result;
   result.world = world;
   for (const DriveResult& drive : drives) {
@@ -262,11 +291,13 @@ WorldResult world_result(const std::string& world, const std::vector<CellKey>& k
 }  // namespace
 
 bool StudyConfig::has(Experiment experiment, bool prior_told) const {
-  return (experiment == Experiment::kRegistration ? registration : tracking) && (prior_told ? told : not_told);
+  return (experiment == Experiment::kRegistration ? registration : tracking) &&
+         (prior_told ? told : not_told);
 }
 
 const std::vector<std::string>& estimator_names(Experiment experiment) {
-  static const std::vector<std::string> tracking{"EKF", "coarse-to-fine EKF", "plain particle filter", "literal PSF", kPsf};
+  static const std::vector<std::string> tracking{
+      "EKF", "coarse-to-fine EKF", "plain particle filter", "literal PSF", kPsf};
   static const std::vector<std::string> registration{
       "EKF", "coarse-to-fine EKF", "plain particle filter", "literal PSF", kSlices, kPsf};
   return experiment == Experiment::kRegistration ? registration : tracking;
@@ -298,7 +329,8 @@ void run_study(const StudyConfig& config,
   std::size_t worlds_done = 0;
   std::atomic<std::size_t> next_job{0};
   std::exception_ptr failure;
-  std::mutex mutex;  // guards results, shares, worlds_done and failure; progress and done are called under it
+  std::mutex mutex;  // guards results, shares, worlds_done and failure; progress and done are
+                     // called under it
 
   const auto run_job = [&](std::size_t job) {
     const std::size_t world = job / drives;
@@ -306,7 +338,8 @@ void run_study(const StudyConfig& config,
     DriveResult result;
     RecordedDrive recorded = record(drive_of(config, world, drive));
     result.ape_m = recorded.ape_rmse_m;
-    DriveStudy study(std::move(recorded), keys, mixed(config.seed, world, drive));
+    const std::size_t place = place_of(config.worlds[world]);
+    DriveStudy study(std::move(recorded), keys, mixed(config.seed, place, drive));
     const std::size_t runs = config.n / drives + (drive < config.n % drives ? 1 : 0);
     result.tallies = study.run(runs, [&](double share) {
       const std::lock_guard lock(mutex);
@@ -321,8 +354,10 @@ void run_study(const StudyConfig& config,
     const std::lock_guard lock(mutex);
     results[job] = std::move(result);
     for (; worlds_done < config.worlds.size(); ++worlds_done) {
-      const auto of_world = std::span<const DriveResult>(results).subspan(worlds_done * drives, drives);
-      if (!std::all_of(of_world.begin(), of_world.end(), [](const DriveResult& r) { return r.finished; })) {
+      const auto of_world =
+          std::span<const DriveResult>(results).subspan(worlds_done * drives, drives);
+      if (!std::all_of(
+              of_world.begin(), of_world.end(), [](const DriveResult& r) { return r.finished; })) {
         break;
       }
       done(world_result(config.worlds[worlds_done], keys, of_world));

@@ -23,8 +23,8 @@ std::vector<sensor::ImuSample> samples_of(const simulate::Scene& scene) {
 }
 
 double ape_rmse_m(const simulate::Scene& scene, const replay::Run& run) {
-  const auto pairs = evaluation::associate_interpolated(simulate::truth_of(scene.motion()), replay::trajectory_of(run),
-                                                        std::chrono::seconds(1));
+  const auto pairs = evaluation::associate_interpolated(
+      simulate::truth_of(scene.motion()), replay::trajectory_of(run), std::chrono::seconds(1));
   evaluation::Similarity similarity = evaluation::align(pairs, evaluation::Alignment::kYaw);
   try {
     similarity = evaluation::align(pairs, evaluation::Alignment::kSe3);
@@ -39,7 +39,8 @@ double ape_rmse_m(const simulate::Scene& scene, const replay::Run& run) {
 RecordedDrive record(const simulate::Drive& drive) {
   const simulate::Scene scene(drive);
   simulate::SimulatedSource source(scene);
-  const configuration::Configuration configuration = simulate::configuration_of(drive, {"wheel.use=false"});
+  const configuration::Configuration configuration =
+      simulate::configuration_of(drive, {"wheel.use=false"});
   RecordedDrive recorded;
   recorded.config = configuration::resolved_odometry(configuration);
   replay::Sinks sinks;
@@ -49,7 +50,8 @@ RecordedDrive record(const simulate::Drive& drive) {
   };
   const replay::Run run = replay::replay(configuration, source, sinks);
   if (!run.alignment) {
-    throw std::runtime_error(drive.world + ": the drive is too short for the inertial sensor to be levelled");
+    throw std::runtime_error(drive.world +
+                             ": the drive is too short for the inertial sensor to be levelled");
   }
   recorded.start = *run.alignment;
   recorded.imu = samples_of(scene);

@@ -10,19 +10,22 @@
 
 namespace slamd::study {
 
-/// A simulated drive as the odometry gets it, and where the product's odometry was in it: what all runs share.
+/// A simulated drive as the odometry gets it, and where the product's odometry was in it: what all
+/// runs share.
 struct RecordedDrive {
   odometry::OdometryConfig config;
   inertial::Alignment start;
-  std::vector<scan::DeskewedScan> scans;    // deskewed with the state that the product had
-  std::vector<geometry::Se3> T_odom_imu;    // at each scan's end, by the product, undisturbed: the reference
+  std::vector<scan::DeskewedScan> scans;  // deskewed with the state that the product had
+  std::vector<geometry::Se3>
+      T_odom_imu;  // at each scan's end, by the product, undisturbed: the reference
   std::vector<sensor::ImuSample> imu;
   simulate::InertialErrors imu_errors;
   double imu_rate_hz = 0.0;
-  double ape_rmse_m = 0.0;                  // of the reference against the simulator's truth
+  double ape_rmse_m = 0.0;  // of the reference against the simulator's truth
 };
 
-/// Simulates a drive and maps it with the product's odometry, LiDAR and inertial sensor only; writes no file.
+/// Simulates a drive and maps it with the product's odometry, LiDAR and inertial sensor only;
+/// writes no file.
 RecordedDrive record(const simulate::Drive& drive);
 
 }  // namespace slamd::study

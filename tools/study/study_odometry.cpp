@@ -5,7 +5,8 @@ namespace slamd::study {
 using odometry::Cause;
 using odometry::UpdateResult;
 
-StudyOdometry::StudyOdometry(const odometry::OdometryConfig& config) : Odometry(config), points_(config.psf.points) {}
+StudyOdometry::StudyOdometry(const odometry::OdometryConfig& config)
+    : Odometry(config), points_(config.psf.points) {}
 
 void StudyOdometry::use(Estimator* estimator, std::uint64_t seed) {
   estimator_ = estimator;
@@ -32,7 +33,9 @@ UpdateResult StudyOdometry::registered(const scan::DeskewedScan& scan,
   return result;
 }
 
-UpdateResult StudyOdometry::update(const scan::DeskewedScan& scan, Cause prediction_cause, psf::Answer& swarm) {
+UpdateResult StudyOdometry::update(const scan::DeskewedScan& scan,
+                                   Cause prediction_cause,
+                                   psf::Answer& swarm) {
   if (estimator_ == nullptr) {
     return Odometry::update(scan, prediction_cause, swarm);
   }

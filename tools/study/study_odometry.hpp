@@ -5,8 +5,8 @@
 
 namespace slamd::study {
 
-/// The product's odometry with another estimator in it: prediction, judgement, confirmation and map stay the same.
-/// Copies are forks: each goes on for itself.
+/// The product's odometry with another estimator in it: prediction, judgement, confirmation and map
+/// stay the same. Copies are forks: each goes on for itself.
 class StudyOdometry : public odometry::Odometry {
  public:
   explicit StudyOdometry(const odometry::OdometryConfig& config);
@@ -18,11 +18,13 @@ class StudyOdometry : public odometry::Odometry {
   void disturb(const geometry::Vector6d& error, const inertial::Covariance& told);
 
   /// Lays a scan on the map from a given prior, and forgets that it did.
-  odometry::UpdateResult registered(const scan::DeskewedScan& scan, const inertial::NavState& prior,
+  odometry::UpdateResult registered(const scan::DeskewedScan& scan,
+                                    const inertial::NavState& prior,
                                     const inertial::Covariance& P_prior);
 
  protected:
-  odometry::UpdateResult update(const scan::DeskewedScan& scan, odometry::Cause prediction_cause,
+  odometry::UpdateResult update(const scan::DeskewedScan& scan,
+                                odometry::Cause prediction_cause,
                                 psf::Answer& swarm) override;
 
  private:

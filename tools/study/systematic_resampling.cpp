@@ -5,7 +5,8 @@
 namespace slamd::study {
 
 std::vector<std::size_t> systematic_resampling(std::span<const double> weights, double offset) {
-  const double step = std::accumulate(weights.begin(), weights.end(), 0.0) / static_cast<double>(weights.size());
+  const double step =
+      std::accumulate(weights.begin(), weights.end(), 0.0) / static_cast<double>(weights.size());
   std::vector<std::size_t> parents;
   std::size_t parent = 0;
   double cumulative = weights[0];

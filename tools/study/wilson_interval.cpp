@@ -14,7 +14,8 @@ Interval wilson_interval(std::size_t hits, std::size_t n) {
   const double share = static_cast<double>(hits) / count;
   const double scale = 1.0 / (1.0 + kZ * kZ / count);
   const double centre = scale * (share + kZ * kZ / (2.0 * count));
-  const double half = scale * kZ * std::sqrt(share * (1.0 - share) / count + kZ * kZ / (4.0 * count * count));
+  const double half =
+      scale * kZ * std::sqrt(share * (1.0 - share) / count + kZ * kZ / (4.0 * count * count));
   return {std::max(0.0, centre - half), std::min(1.0, centre + half)};
 }
 

@@ -10,7 +10,10 @@ namespace {
 std::vector<WorldResult> run(StudyConfig& config, int threads) {
   config.threads = threads;
   std::vector<WorldResult> results;
-  run_study(config, [](double share) { EXPECT_LE(share, 1.0); }, [&](const WorldResult& result) { results.push_back(result); });
+  run_study(
+      config,
+      [](double share) { EXPECT_LE(share, 1.0); },
+      [&](const WorldResult& result) { results.push_back(result); });
   return results;
 }
 

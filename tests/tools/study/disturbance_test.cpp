@@ -23,7 +23,8 @@ TEST(Disturbance, DrawsUniformlyInItsBoxAndTellsItsCovariance) {
 
   const inertial::Covariance P = covariance_of(sut);
   const double ten_rad = 10.0 * M_PI / 180.0;
-  const geometry::Vector6d box = (geometry::Vector6d() << 1.0, 1.0, 0.3, 0.3 * ten_rad, 0.3 * ten_rad, ten_rad).finished();
+  const geometry::Vector6d box =
+      (geometry::Vector6d() << 1.0, 1.0, 0.3, 0.3 * ten_rad, 0.3 * ten_rad, ten_rad).finished();
   for (int axis = 0; axis < 6; ++axis) {
     EXPECT_NEAR(square_sum[axis] / kDraws / P(axis, axis), 1.0, 0.03) << axis;
     EXPECT_LE(largest[axis], box[axis]) << axis;
@@ -43,7 +44,9 @@ TEST(Disturbance, SpoilsTheInertialSamplesAsItSays) {
     drive.scans.push_back(scan);
   }
   for (int i = 0; i < 1200; ++i) {
-    drive.imu.push_back({Stamp{} + i * std::chrono::milliseconds(5), Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()});
+    drive.imu.push_back({Stamp{} + i * std::chrono::milliseconds(5),
+                         Eigen::Vector3d::Zero(),
+                         Eigen::Vector3d::Zero()});
   }
   psf::Random random(5, 6);
 

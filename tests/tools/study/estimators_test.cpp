@@ -22,12 +22,15 @@ const Se3 kTruth(geometry::so3_exp({0.02, -0.01, 0.7}), Eigen::Vector3d(0.5, -0.
 /// A room with a map, and a scan in it.
 class EstimatorInARoom : public testing::Test {
  protected:
-  EstimatorInARoom() : map_(map::VoxelMapConfig{.max_cells = 4'000, .max_surface_cells = 8'000}), scan_(config_.preprocess) {
+  EstimatorInARoom()
+      : map_(map::VoxelMapConfig{.max_cells = 4'000, .max_surface_cells = 8'000}),
+        scan_(config_.preprocess) {
     std::mt19937_64 engine(1);
     for (int i = 0; i < 16; ++i) {
       const Se3 T_odom_imu(geometry::so3_exp({0.05 * i, 0.03 * i, 0.5 * i}),
                            Eigen::Vector3d(0.25 * i - 1.5, 0.1 * i - 0.5, 1.2));
-      std::vector<Eigen::Vector3f> points = world::Room().points_lidar(T_odom_imu, 720, 0.01, engine);
+      std::vector<Eigen::Vector3f> points =
+          world::Room().points_lidar(T_odom_imu, 720, 0.01, engine);
       for (Eigen::Vector3f& p : points) {
         p = (T_odom_imu * p.cast<double>()).cast<float>();
       }
@@ -61,7 +64,9 @@ class EstimatorInARoom : public testing::Test {
   odometry::UpdateResult result_;
 };
 
-Vector6d small_error() { return (Vector6d() << 0.03, -0.02, 0.01, 0.003, -0.002, 0.005).finished(); }
+Vector6d small_error() {
+  return (Vector6d() << 0.03, -0.02, 0.01, 0.003, -0.002, 0.005).finished();
+}
 
 void expect_recovered(const Vector6d& left, double limit_m, double limit_rad) {
   EXPECT_LT(left.head<3>().norm(), limit_m);
@@ -125,9 +130,11 @@ TEST_F(EstimatorInARoom, PosteriorsOfParticlesAreCovariances) {
   left_by(sut, small_error(), true);
 
   EXPECT_EQ(result_.P, result_.P.transpose().eval());
-  EXPECT_GT(Eigen::SelfAdjointEigenSolver<inertial::Covariance>(result_.P).eigenvalues().minCoeff(), 0.0);
+  EXPECT_GT(Eigen::SelfAdjointEigenSolver<inertial::Covariance>(result_.P).eigenvalues().minCoeff(),
+            0.0);
   EXPECT_LT(result_.P(0, 0), P_(0, 0));
-  EXPECT_LT(result_.P(inertial::kVelocity, inertial::kVelocity), P_(inertial::kVelocity, inertial::kVelocity));
+  EXPECT_LT(result_.P(inertial::kVelocity, inertial::kVelocity),
+            P_(inertial::kVelocity, inertial::kVelocity));
   EXPECT_NEAR(result_.P(inertial::kGyroBias, inertial::kGyroBias), 1e-3, 1e-9);
 }
 

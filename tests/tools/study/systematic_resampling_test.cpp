@@ -36,7 +36,8 @@ TEST(SystematicResampling, GivesEachParentItsShareToWithinOneChild) {
     }
 
     for (std::size_t i = 0; i < weights.size(); ++i) {
-      EXPECT_LT(std::abs(children[i] - weights[i] / sum * static_cast<double>(weights.size())), 1.0) << i;
+      EXPECT_LT(std::abs(children[i] - weights[i] / sum * static_cast<double>(weights.size())), 1.0)
+          << i;
     }
   }
 }
