@@ -191,6 +191,7 @@ int main(int argc, char** argv) {
         psf_study->add_option("--prior", options.prior, "What the filters are told of the errors: not-told, told or both")
             ->check(CLI::IsMember({"not-told", "told", "both"}))
             ->capture_default_str();
+        psf_study->add_option("--set", options.study.overrides, "key=value of slamd's configuration")->take_all();
         psf_study->add_option("--drives", options.study.drives, "A world, of successive seeds")
             ->check(CLI::Range(1, 100))
             ->capture_default_str();

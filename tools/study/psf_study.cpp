@@ -336,7 +336,7 @@ void run_study(const StudyConfig& config,
     const std::size_t world = job / drives;
     const std::size_t drive = job % drives;
     DriveResult result;
-    RecordedDrive recorded = record(drive_of(config, world, drive));
+    RecordedDrive recorded = record(drive_of(config, world, drive), config.overrides);
     result.ape_m = recorded.ape_rmse_m;
     const std::size_t place = place_of(config.worlds[world]);
     DriveStudy study(std::move(recorded), keys, mixed(config.seed, place, drive));

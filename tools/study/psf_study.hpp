@@ -22,7 +22,8 @@ struct StudyConfig {
   double drive_s = 30.0;
   int threads = 1;  // the result is the same for any number
   std::vector<std::string> worlds;
-  bool registration = true;  // which experiments,
+  std::vector<std::string> overrides = {};  // "key=value" of slamd's configuration
+  bool registration = true;            // which experiments,
   bool tracking = true;
   bool not_told = true;  // and which priors
   bool told = true;

@@ -36,11 +36,11 @@ double ape_rmse_m(const simulate::Scene& scene, const replay::Run& run) {
 
 }  // namespace
 
-RecordedDrive record(const simulate::Drive& drive) {
+RecordedDrive record(const simulate::Drive& drive, std::vector<std::string> overrides) {
+  overrides.emplace_back("wheel.use=false");
   const simulate::Scene scene(drive);
   simulate::SimulatedSource source(scene);
-  const configuration::Configuration configuration =
-      simulate::configuration_of(drive, {"wheel.use=false"});
+  const configuration::Configuration configuration = simulate::configuration_of(drive, overrides);
   RecordedDrive recorded;
   recorded.config = configuration::resolved_odometry(configuration);
   replay::Sinks sinks;

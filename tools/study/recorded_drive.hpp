@@ -1,5 +1,6 @@
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "core/inertial/start_up_alignment.hpp"
@@ -25,7 +26,7 @@ struct RecordedDrive {
 };
 
 /// Simulates a drive and maps it with the product's odometry, LiDAR and inertial sensor only;
-/// writes no file.
-RecordedDrive record(const simulate::Drive& drive);
+/// writes no file. `overrides` are "key=value" of slamd's configuration.
+RecordedDrive record(const simulate::Drive& drive, std::vector<std::string> overrides);
 
 }  // namespace slamd::study
