@@ -69,6 +69,7 @@ struct OdometryResult {
 class Odometry {
  public:
   explicit Odometry(const OdometryConfig& config);
+  virtual ~Odometry() = default;
 
   /// Sets the first state; scans before it are not to be given. Called again it forgets the map and all else, and odom
   /// begins anew. Real-time: O(capacity of the map).
@@ -97,12 +98,20 @@ class Odometry {
   const inertial::WheelUpdate& wheels() const { return wheels_; }
   bool indoor() const { return environment_.indoor(); }
 
+ protected:
+  /// Finds the posterior of a scan from the prediction in state() and covariance(). Studies put other estimators here,
+  /// so that all else is the product's.
+  virtual UpdateResult update(const scan::DeskewedScan& scan, Cause prediction_cause, psf::Answer& swarm);
+
+  // What studies disturb and put back.
+  void go_on_from(const inertial::NavState& state, const inertial::Covariance& P) { state_ = state, P_ = P; }
+  psf::ParticleSwarmFilter& filter() { return psf_; }
+
  private:
   void begin();
   Cause predict(Stamp to, std::span<const sensor::ImuSample> samples, std::span<const sensor::WheelSample> wheels);
   void propagate(Stamp to, std::span<const sensor::ImuSample> samples);
   void coast(bool without_imu);
-  UpdateResult update(const scan::DeskewedScan& scan, Cause prediction_cause, psf::Answer& swarm);
   bool lost_the_thread(const scan::DeskewedScan& scan, Cause prediction_cause) const;
   Cause confirm(const UpdateResult& update, Cause update_cause);
   Cause contradiction_of(const UpdateResult& update) const;

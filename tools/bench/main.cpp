@@ -13,6 +13,8 @@
 #include "tools/bench/pose_latency.hpp"
 #include "tools/bench/ray_speed.hpp"
 #include "tools/cli/cli.hpp"
+#include "tools/simulate/scenery.hpp"
+#include "tools/study/study_page.hpp"
 
 namespace {
 
@@ -25,6 +27,9 @@ struct Options {
   std::vector<std::string> overrides;
   std::uint64_t seed = 1;
   bench::PoseLatencyConfig pose;
+  study::StudyConfig study;
+  std::string experiment = "both";
+  std::string prior = "both";
   bool json = false;
   int scans = 20;
 };
@@ -105,6 +110,40 @@ int run_neighbours(const Options& options) {
   return 0;
 }
 
+void write_study(const study::StudyConfig& config, const std::vector<study::WorldResult>& results, const fs::path& out) {
+  write(study::markdown_of(config, results), out / "psf-study.md");
+  write(study::json_of(config, results), out / "psf-study.json");
+  if (config.registration) {
+    write(study::svg_of(study::Experiment::kRegistration, results), out / "psf-study-registration.svg");
+  }
+  if (config.tracking) {
+    write(study::svg_of(study::Experiment::kTracking, results), out / "psf-study-tracking.svg");
+  }
+}
+
+int run_psf_study(Options& options) {
+  study::StudyConfig& config = options.study;
+  if (config.worlds.empty()) {
+    config.worlds = simulate::world_names();
+  }
+  config.seed = options.seed;
+  config.registration = options.experiment != "tracking";
+  config.tracking = options.experiment != "registration";
+  config.not_told = options.prior != "told";
+  config.told = options.prior != "not-told";
+  fs::create_directories(options.out);
+  std::vector<study::WorldResult> results;
+  {
+    cli::Progress progress("psf study");
+    study::run_study(config, [&](double share) { progress.show(share); }, [&](const study::WorldResult& result) {
+      results.push_back(result);
+      write_study(config, results, options.out);
+    });
+  }
+  std::fputs(study::markdown_of(config, results).c_str(), stdout);
+  return 0;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -112,6 +151,7 @@ int main(int argc, char** argv) {
   CLI::App* campaign = nullptr;
   CLI::App* pose = nullptr;
   CLI::App* neighbours = nullptr;
+  CLI::App* psf_study = nullptr;
   return cli::run_program(
       argc, argv, "slamd-bench", "Measures slamd.",
       [&](CLI::App& app) {
@@ -138,6 +178,29 @@ int main(int argc, char** argv) {
         neighbours->add_option("--scans", options.scans, "To take the median over")
             ->check(CLI::Range(1, 500))
             ->capture_default_str();
+        psf_study = app.add_subcommand(
+            "psf-study", "The particle swarm filter beside EKFs, a plain particle filter and its literal form: wrong priors, bursts, a bad inertial sensor");
+        psf_study->add_option("--out", options.out, "Directory for psf-study.md, .json and the charts")->required();
+        psf_study->add_option("--n", options.study.n, "Draws a cell")->check(CLI::Range(1, 100000))->capture_default_str();
+        psf_study->add_option("--seed", options.seed, "Of worlds and draws")->capture_default_str();
+        psf_study->add_option("--world", options.study.worlds, "One or more; default: all six")
+            ->check(CLI::IsMember(simulate::world_names()));
+        psf_study->add_option("--experiment", options.experiment, "registration, tracking or both")
+            ->check(CLI::IsMember({"registration", "tracking", "both"}))
+            ->capture_default_str();
+        psf_study->add_option("--prior", options.prior, "What the filters are told of the errors: not-told, told or both")
+            ->check(CLI::IsMember({"not-told", "told", "both"}))
+            ->capture_default_str();
+        psf_study->add_option("--set", options.study.overrides, "key=value of slamd's configuration")->take_all();
+        psf_study->add_option("--drives", options.study.drives, "A world, of successive seeds")
+            ->check(CLI::Range(1, 100))
+            ->capture_default_str();
+        psf_study->add_option("--seconds", options.study.drive_s, "Of each drive")
+            ->check(CLI::Range(15.0, 300.0))
+            ->capture_default_str();
+        psf_study->add_option("--threads", options.study.threads, "The result is the same for any number")
+            ->check(CLI::Range(1, 64))
+            ->capture_default_str();
       },
       [&] {
         if (campaign->parsed()) {
@@ -145,6 +208,9 @@ int main(int argc, char** argv) {
         }
         if (pose->parsed()) {
           return run_pose_latency(options);
+        }
+        if (psf_study->parsed()) {
+          return run_psf_study(options);
         }
         return neighbours->parsed() ? run_neighbours(options) : run_rays(options);
       });
