@@ -44,7 +44,7 @@ RecordedDrive record(const simulate::Drive& drive, std::vector<std::string> over
   RecordedDrive recorded;
   recorded.config = configuration::resolved_odometry(configuration);
   replay::Sinks sinks;
-  sinks.scan = [&](const replay::ScanRecord& record, const scan::DeskewedScan& scan) {
+  sinks.scan = [&](const replay::ScanRecord& record, const scan::DeskewedScan& scan, const odometry::MotionStep&) {
     recorded.scans.push_back(scan);
     recorded.T_odom_imu.push_back(record.odometry.T_odom_imu);
   };
