@@ -89,6 +89,39 @@ holds "slamd's live poses follow the truth within 10 cm ($(jq .ape_m.se3.rmse "$
 check "the recording of the drive is mapped" "$bin/slamd-replay" --out "$scratch/map" "$work"
 holds "and its map's poses follow the truth within 10 cm" "$scratch/map/report.json" ".accuracy.ape_m.se3.rmse < 0.1"
 
+# The other LiDARs: an Avia with its own inertial samples, a Mid-360 with a sensor of its own on UDP.
+# follows LIDAR IMU_SOURCE [SIMULATOR ARGUMENT...]
+follows() {
+  local lidar=$1 imu=$2 simulator daemon listener offset
+  shift 2
+  "$bin/slamd-simulate" --drive 127.0.0.1 --lidar "$lidar" --seed 3 --duration 30 --json --out "$scratch/$lidar" "$@" \
+    >"$scratch/$lidar.json" 2>"$scratch/$lidar.err" &
+  simulator=$!
+  wait_for "$scratch/$lidar/recording.toml"
+  grep -v '^source' "$scratch/$lidar/recording.toml" >"$scratch/$lidar.toml"
+  "$bin/slamd" --config "$scratch/$lidar.toml" --set imu.source="$imu" 2>"$scratch/$lidar.log" &
+  daemon=$!
+  "$bin/slamd-status" --json --tum "$scratch/$lidar.tum" >/dev/null &
+  listener=$!
+  pids+=("$simulator" "$daemon" "$listener")
+  sleep 4
+  drive 1 0 3
+  sleep 1.5
+  drive 0.8 0.4 3
+  sleep 1.5
+  check "$lidar: slamd is TRACKING at the end" "$bin/slamd-status" --once --json
+  for pid in "$listener" "$daemon" "$simulator"; do
+    kill -TERM "$pid"
+    wait "$pid"
+  done
+  offset=$(jq ".wall_minus_recorded_s | -." "$scratch/$lidar.json")
+  "$bin/slamd-evaluate" --json --offset="$offset" "$scratch/$lidar/truth.tum" "$scratch/$lidar.tum" >"$scratch/$lidar.ape.json"
+  holds "$lidar: live poses follow the truth within 10 cm ($(jq .ape_m.se3.rmse "$scratch/$lidar.ape.json") m rms)" \
+    "$scratch/$lidar.ape.json" ".ape_m.se3.rmse < 0.1"
+}
+follows livox_avia livox
+follows livox_mid360 udp --imu-to udp:127.0.0.1:7501 --imu-rate 200
+
 # Into a wall.
 "$bin/slamd-simulate" --drive 127.0.0.1 --world indoor --duration 14 --json --drop 5% --out "$scratch/wall" \
   >"$scratch/wall.json" 2>"$scratch/wall.err" &
