@@ -34,11 +34,17 @@ double nees_of(const MotionError& motion) {
   return e.dot(llt.solve(e));
 }
 
-/// Adds one of n values.
+/// Adds one of n values. The share counts them here: finish() divides, so that all of n is 1 to the last bit.
 void add(Consistency& consistency, double nees, double inside, double n) {
   ++consistency.count;
   consistency.mean += nees / n;
-  consistency.inside_95 += nees <= inside ? 1.0 / n : 0.0;
+  consistency.inside_95 += nees <= inside ? 1.0 : 0.0;
+}
+
+void finish(Consistency& consistency) {
+  if (consistency.count > 0) {
+    consistency.inside_95 /= static_cast<double>(consistency.count);
+  }
 }
 
 }  // namespace
@@ -73,6 +79,12 @@ MotionConsistency consistency_of(std::span<const MotionError> errors) {
     }
     error_squares += motion.error.cwiseAbs2() / n;
     variances += motion.covariance.diagonal() / n;
+  }
+  for (Consistency* consistency : {&result.pose, &result.position, &result.rotation}) {
+    finish(*consistency);
+  }
+  for (Consistency& axis : result.axes) {
+    finish(axis);
   }
   result.error_rms = error_squares.cwiseSqrt();
   result.claimed_rms = variances.cwiseSqrt();
