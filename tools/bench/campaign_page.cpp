@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <utility>
 
+#include "core/evaluation/median.hpp"
 #include "tools/plot/line_chart.hpp"
 #include "tools/plot/svg.hpp"
 
@@ -18,8 +20,7 @@ double median_of(const std::vector<const Outcome*>& outcomes, Get&& get) {
   for (const Outcome* outcome : outcomes) {
     values.push_back(get(*outcome));
   }
-  std::sort(values.begin(), values.end());
-  return values[values.size() / 2];
+  return evaluation::median_of(std::move(values));
 }
 
 std::vector<std::string> distinct(const std::vector<Outcome>& outcomes, std::string Outcome::*member) {

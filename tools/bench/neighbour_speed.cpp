@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "core/evaluation/median.hpp"
 #include "core/map/point_grid.hpp"
 #include "core/scan/voxel_sampler.hpp"
 #include "tools/bench/neighbour_peers.hpp"
@@ -13,6 +14,8 @@
 #include "tools/simulate/scene.hpp"
 
 namespace slamd::bench {
+
+using evaluation::median_of;
 
 namespace {
 
@@ -106,11 +109,6 @@ Found brute_force(const Points& stored, const Eigen::Vector3f& query) {
   found.count = std::min(within.size(), Found::kMax);
   std::copy_n(within.begin(), found.count, found.distance_sq_m2.begin());
   return found;
-}
-
-double median_of(std::vector<double> values) {
-  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2), values.end());
-  return values[values.size() / 2];
 }
 
 /// What one structure did, scan by scan.

@@ -12,6 +12,7 @@
 #include <stdexcept>
 #include <thread>
 
+#include "core/evaluation/median.hpp"
 #include "core/inertial/propagation.hpp"
 #include "daemon/stages/preprocess_stage.hpp"
 #include "tools/simulate/scenery.hpp"
@@ -71,15 +72,6 @@ struct Tally {
     errors_m.insert(errors_m.end(), other.errors_m.begin(), other.errors_m.end());
   }
 };
-
-double median_of(std::vector<double> values) {
-  if (values.empty()) {
-    return std::nan("");
-  }
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 std::uint64_t mixed(std::uint64_t seed, std::uint64_t a, std::uint64_t b) {
   return psf::Random(seed * 0x9E3779B97F4A7C15ULL + a, b).next();
@@ -283,7 +275,7 @@ WorldResult world_result(const std::string& world,
     for (const DriveResult& drive : drives) {
       sum.add(drive.tallies[i]);
     }
-    result.cells.push_back({keys[i], world, sum.n, sum.hits, median_of(sum.errors_m)});
+    result.cells.push_back({keys[i], world, sum.n, sum.hits, evaluation::median_of(sum.errors_m)});
   }
   return result;
 }

@@ -7,6 +7,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "core/evaluation/median.hpp"
 #include "tools/plot/line_chart.hpp"
 #include "tools/plot/palette.hpp"
 #include "tools/study/wilson_interval.hpp"
@@ -135,16 +136,15 @@ std::string error_table(const StudyConfig& config, const std::vector<WorldResult
     for (const std::string& condition : conditions(Experiment::kTracking)) {
       text += "| " + condition + (told ? ", told |" : ", not told |");
       for (const std::string& estimator : estimator_names(Experiment::kTracking)) {
-        Counts sum = sum_of(results,
+        const Counts sum = sum_of(results,
                             {Experiment::kTracking, condition, told, estimator},
                             [](const std::string&) { return true; });
-        std::sort(sum.medians_m.begin(), sum.medians_m.end());
         char cell[32];
         std::snprintf(
             cell,
             sizeof cell,
             sum.medians_m.empty() ? " – |" : " %.1f |",
-            sum.medians_m.empty() ? 0.0 : 100.0 * sum.medians_m[sum.medians_m.size() / 2]);
+            sum.medians_m.empty() ? 0.0 : 100.0 * evaluation::median_of(sum.medians_m));
         text += cell;
       }
       text += "\n";
