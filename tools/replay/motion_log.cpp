@@ -1,5 +1,7 @@
 #include "tools/replay/motion_log.hpp"
 
+#include "tools/replay/covariance_columns.hpp"
+
 namespace slamd::replay {
 
 void MotionLog::add(Stamp stamp, const odometry::MotionStep& step) {
@@ -20,20 +22,12 @@ void MotionLog::add(Stamp stamp, const odometry::MotionStep& step) {
 
 void write_motions(std::FILE* file, const std::vector<evaluation::MotionClaim>& claims) {
   std::fputs("timestamp_ns,since_ns", file);
-  for (int row = 0; row < 6; ++row) {
-    for (int column = row; column < 6; ++column) {
-      std::fprintf(file, ",P%d%d", row, column);
-    }
-  }
+  write_covariance_names(file);
   std::fputc('\n', file);
   for (const evaluation::MotionClaim& claim : claims) {
     std::fprintf(file, "%lld,%lld", static_cast<long long>(claim.last.time_since_epoch().count()),
                  static_cast<long long>((claim.last - claim.first).count()));
-    for (int row = 0; row < 6; ++row) {
-      for (int column = row; column < 6; ++column) {
-        std::fprintf(file, ",%.6e", claim.covariance(row, column));
-      }
-    }
+    write_covariance(file, claim.covariance);
     std::fputc('\n', file);
   }
 }

@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "drivers/recording/tum.hpp"
+#include "tools/replay/covariance_columns.hpp"
 
 namespace slamd::replay {
 
@@ -83,11 +84,7 @@ ordered_json states_of(const Run& run) {
 
 void write_scan_header(std::FILE* file) {
   std::fputs("timestamp_ns,state,cause,weak_axes,weak_x,weak_y,weak_z,share,raw_share,matched,inliers,up_x,up_y,up_std_rad", file);
-  for (int row = 0; row < 6; ++row) {
-    for (int column = row; column < 6; ++column) {
-      std::fprintf(file, ",P%d%d", row, column);
-    }
-  }
+  write_covariance_names(file);
   std::fputc('\n', file);
 }
 
@@ -98,11 +95,7 @@ void write_scan_row(std::FILE* file, const odometry::OdometryResult& result) {
                name_of(result.state), static_cast<int>(result.cause), result.weak_axes, weak.weakest_odom.x(),
                weak.weakest_odom.y(), weak.weakest_odom.z(), weak.share, weak.raw_share, result.update.matched_ratio, result.update.inlier_ratio,
                result.up_odom.x(), result.up_odom.y(), result.up_std_rad);
-  for (int row = 0; row < 6; ++row) {
-    for (int column = row; column < 6; ++column) {
-      std::fprintf(file, ",%.6e", result.P_odom_base(row, column));
-    }
-  }
+  write_covariance(file, result.P_odom_base);
   std::fputc('\n', file);
 }
 
