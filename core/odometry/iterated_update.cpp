@@ -50,6 +50,26 @@ ErrorState posterior_step(const NavState& state,
 
 }  // namespace
 
+void note_fit(const NormalEquations& sum, const scan::DeskewedScan& scan, const UpdateConfig& config, UpdateResult& result) {
+  const std::size_t features = scan.planar.size() + scan.edge.size();
+  result.constraints = sum.count;
+  result.information = sum.H;
+  result.enough = sum.count >= config.min_constraints;
+  result.matched_ratio = features == 0 ? 0.0 : static_cast<double>(sum.count) / static_cast<double>(features);
+  result.inlier_ratio = sum.count == 0 ? 0.0 : static_cast<double>(sum.inliers) / static_cast<double>(sum.count);
+  result.mean_residual_m = sum.count == 0 ? 0.0 : sum.absolute_sum_m / static_cast<double>(sum.count);
+}
+
+void widen_where_excluded(const NavState& prior, const Se3& T_odom_imu, Covariance& P_prior) {
+  constexpr double kScan_s = 0.1;
+  auto P_pose = P_prior.block<6, 6>(kPose, kPose);
+  const Vector6d error = geometry::boxminus(T_odom_imu, prior.T_odom_imu);
+  if (error.dot(P_pose.ldlt().solve(error)) > 9.0) {
+    P_pose += error * error.transpose();
+    P_prior.diagonal().segment<3>(inertial::kVelocity) += (error.head<3>() / kScan_s).cwiseAbs2();
+  }
+}
+
 UpdateResult iterated_update(const NavState& prior,
                              const Covariance& P_prior,
                              const scan::DeskewedScan& scan,
@@ -81,8 +101,7 @@ UpdateResult iterated_update(const NavState& prior,
       sum = registration::linearize_trusted(scratch.view(), state.T_odom_imu, config.kernel_m,
                                             result.localisability.weak);
     }
-    result.enough = sum.count >= config.min_constraints;
-    if (!result.enough) {
+    if (sum.count < config.min_constraints) {
       break;
     }
     const ErrorState step =
@@ -97,12 +116,7 @@ UpdateResult iterated_update(const NavState& prior,
     }
     associate = associations < config.associations;
   }
-  const std::size_t features = scan.planar.size() + scan.edge.size();
-  result.constraints = sum.count;
-  result.information = sum.H;
-  result.matched_ratio = features == 0 ? 0.0 : static_cast<double>(sum.count) / static_cast<double>(features);
-  result.inlier_ratio = sum.count == 0 ? 0.0 : static_cast<double>(sum.inliers) / static_cast<double>(sum.count);
-  result.mean_residual_m = sum.count == 0 ? 0.0 : sum.absolute_sum_m / static_cast<double>(sum.count);
+  note_fit(sum, scan, config, result);
   if (!result.enough) {
     result.state = prior;
     result.P = P_prior;

@@ -39,10 +39,25 @@ struct UpdateResult {
   bool enough = false;             // constraints for an update; otherwise the prior stands
 };
 
+/// Returns the most constraints that a scan becomes: one a planar feature, two an edge.
+inline std::size_t max_constraints(const scan::PreprocessConfig& config) {
+  return config.max_planar + 2 * config.max_edge;
+}
+
+/// Writes what a scan's constraints say of the pose at which they were summed: their number, information and fit.
+void note_fit(const registration::NormalEquations& sum,
+              const scan::DeskewedScan& scan,
+              const UpdateConfig& config,
+              UpdateResult& result);
+
+/// Widens the covariance of a prior that excludes (beyond 3σ) a pose which was found to be the right one: in the pose by
+/// the error, in the velocity by what brought it about within a scan.
+void widen_where_excluded(const inertial::NavState& prior, const geometry::Se3& T_odom_imu, inertial::Covariance& P_prior);
+
 /// Updates the predicted state with a scan: iterated EKF on point-to-plane and point-to-line constraints, in
 /// information form. `T_odom_imu_start` is where it is linearised first: the prediction, or the swarm's mode.
 /// Source: iterated error-state Kalman filter as maximum a posteriori (Bell and Cathey, 1993; Xu et al., 2022).
-/// Real-time: no allocation; `scratch` holds one constraint a planar feature and two an edge.
+/// Real-time: no allocation; `scratch` holds max_constraints.
 UpdateResult iterated_update(const inertial::NavState& prior,
                              const inertial::Covariance& P_prior,
                              const scan::DeskewedScan& scan,

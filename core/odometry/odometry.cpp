@@ -9,7 +9,6 @@ namespace slamd::odometry {
 
 using geometry::Matrix6d;
 using geometry::Se3;
-using geometry::Vector6d;
 using inertial::kGyroBias;
 using inertial::kPosition;
 using inertial::kRotation;
@@ -45,7 +44,7 @@ Odometry::Odometry(const OdometryConfig& config)
       psf_(config.psf, config.seed),
       environment_(config.environment, config.indoor_below_m, config.outdoor_above_m),
       wheels_(config.wheel),
-      constraints_(config.preprocess.max_planar + 2 * config.preprocess.max_edge),
+      constraints_(max_constraints(config.preprocess)),
       points_odom_(config.preprocess.max_map_points),
       swarm_points_imu_(config.psf.points) {}
 
@@ -211,12 +210,7 @@ UpdateResult Odometry::update(const DeskewedScan& scan, Cause prediction_cause, 
     return plain;
   }
   // The winner is where the final EKF update is linearised. Where the prior excludes it, the prior was wrong.
-  const Vector6d error = geometry::boxminus(swarm.T_odom_imu, state_.T_odom_imu);
-  if (error.dot(question.P_prior.ldlt().solve(error)) > 9.0) {
-    P_.block<6, 6>(kPosition, kPosition) += error * error.transpose();
-    const double dt_s = 0.1;  // a wrong pose came with a wrong velocity, of about a scan's length ago
-    P_.diagonal().segment<3>(kVelocity) += (error.head<3>() / dt_s).cwiseAbs2();
-  }
+  widen_where_excluded(state_, swarm.T_odom_imu, P_);
   UpdateResult posterior =
       iterated_update(state_, P_, scan, map_, swarm.T_odom_imu, config_.update, constraints_);
   posterior.innovation = 0.0;  // it was judged by the gate

@@ -34,6 +34,11 @@ double spread_m(const Swarm& swarm) {
 
 }  // namespace
 
+bool is_same_mode(const Se3& a, const Se3& b, const PsfConfig& config) {
+  const Vector6d apart = boxminus(a, b);
+  return apart.head<3>().norm() < config.same_mode_m && apart.tail<3>().norm() < config.same_mode_rad;
+}
+
 ParticleSwarmFilter::ParticleSwarmFilter(const PsfConfig& config, std::uint64_t seed)
     : config_(config),
       seed_(seed),
@@ -71,8 +76,7 @@ Answer ParticleSwarmFilter::answer(std::span<const Eigen::Vector3f> points_imu,
   double best_score = score_of(best.T_odom_imu, best.log_likelihood) + config_.gate_margin;
   const auto challenge = [&](const Se3& T_odom_imu) {
     // So near it is the plain update's own mode, which the final update would come back to.
-    const Vector6d apart = boxminus(T_odom_imu, question.T_odom_imu_plain);
-    if (apart.head<3>().norm() < config_.same_mode_m && apart.tail<3>().norm() < config_.same_mode_rad) {
+    if (is_same_mode(T_odom_imu, question.T_odom_imu_plain, config_)) {
       return;
     }
     if (best.recovery && !question.distrust_prior && !fits_better_where_both_are_known(map, question, T_odom_imu)) {
@@ -97,10 +101,8 @@ Answer ParticleSwarmFilter::answer(std::span<const Eigen::Vector3f> points_imu,
     challenge(registration::align_to_surfaces(likelihood_.points_imu(), map, T_odom_imu_mode, {}, constraints_));
   }
   if (best.recovery) {
-    const registration::GaussNewtonConfig coarse_to_fine{
-        .iterations = 30, .gate_first_m = 2.0F, .gate_last_m = 0.3F, .coarse_iterations = 15};
     challenge(registration::align_to_surfaces(
-        likelihood_.points_imu(), map, question.T_odom_imu_prior, coarse_to_fine, constraints_));
+        likelihood_.points_imu(), map, question.T_odom_imu_prior, registration::kCoarseToFine, constraints_));
   }
   best.particles = static_cast<std::uint32_t>(swarm_.size());
   best.modes = static_cast<std::uint32_t>(modes.size());

@@ -41,6 +41,9 @@ struct PsfConfig {
   double trigger_drop = 0.35;            // of the mean log-likelihood below its running mean
 };
 
+/// Tells whether two poses are so near to one another that an update ends at the same one from both.
+bool is_same_mode(const geometry::Se3& a, const geometry::Se3& b, const PsfConfig& config);
+
 /// What the filter is asked: is the plain update's pose the right one?
 struct Question {
   geometry::Se3 T_odom_imu_prior;

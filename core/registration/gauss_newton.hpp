@@ -19,6 +19,10 @@ struct GaussNewtonConfig {
   double damping = 1e-3;       // relative to the largest diagonal element: weak directions stay where they are
 };
 
+/// The widest basin: half of the iterations on the larger cells, with a gate that shrinks from 2 m to 0.3 m.
+inline constexpr GaussNewtonConfig kCoarseToFine{
+    .iterations = 30, .gate_first_m = 2.0F, .gate_last_m = 0.3F, .coarse_iterations = 15};
+
 /// Moves a pose to where the points lie on the map's planes and lines; the wide-basin alignment that serves the
 /// swarm's modes, the coarse-to-fine candidate, and later loop verification.
 /// Real-time: no allocation; `scratch` holds two constraints a point.

@@ -32,9 +32,6 @@ class CoarseToFineEkf : public Estimator {
   odometry::UpdateResult update(const Task& task) override;
 
  private:
-  geometry::Se3 coarse_to_fine(const Task& task);
-  inertial::Covariance widened(const Task& task, const geometry::Se3& T_odom_imu) const;
-
   odometry::UpdateConfig config_;
   psf::PsfConfig psf_;
   BoundedVector<registration::Constraint> constraints_;

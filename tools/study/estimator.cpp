@@ -56,14 +56,16 @@ UpdateResult posterior_of(const Task& task,
       task.scan, task.map, result.state.T_odom_imu, config.association, scratch);
   const registration::NormalEquations sum =
       registration::linearize(scratch.view(), result.state.T_odom_imu, config.kernel_m);
-  const auto features = static_cast<double>(task.scan.planar.size() + task.scan.edge.size());
-  result.information = sum.H;
-  result.constraints = sum.count;
-  result.enough = sum.count >= config.min_constraints;
-  result.matched_ratio = features == 0.0 ? 0.0 : static_cast<double>(sum.count) / features;
-  result.inlier_ratio =
-      sum.count == 0 ? 0.0 : static_cast<double>(sum.inliers) / static_cast<double>(sum.count);
+  odometry::note_fit(sum, task.scan, config, result);
   return result;
+}
+
+Vector6d drawn_normal(psf::Random& random) {
+  Vector6d unit;
+  for (double& value : unit) {
+    value = random.normal();
+  }
+  return unit;
 }
 
 Moments moments_of(std::span<const Vector6d> places, std::span<const double> weights) {

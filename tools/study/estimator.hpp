@@ -8,6 +8,7 @@
 #include "core/inertial/nav_state.hpp"
 #include "core/map/voxel_map.hpp"
 #include "core/odometry/iterated_update.hpp"
+#include "core/psf/random.hpp"
 #include "core/scan/preprocessor.hpp"
 
 namespace slamd::study {
@@ -45,6 +46,9 @@ odometry::UpdateResult posterior_of(const Task& task,
                                     const geometry::Matrix6d& P_pose,
                                     const odometry::UpdateConfig& config,
                                     BoundedVector<registration::Constraint>& scratch);
+
+/// Draws six values of variance 1.
+geometry::Vector6d drawn_normal(psf::Random& random);
 
 /// Mean and covariance of weighted places.
 struct Moments {

@@ -32,7 +32,7 @@ LiteralPsf::LiteralPsf(const odometry::OdometryConfig& config, TimeSteps time_st
       time_steps_(time_steps),
       likelihood_(config.psf.points),
       swarm_(literal_swarm(config), kParticles),
-      constraints_(config.preprocess.max_planar + 2 * config.preprocess.max_edge) {}
+      constraints_(odometry::max_constraints(config.preprocess)) {}
 
 odometry::UpdateResult LiteralPsf::update(const Task& task) {
   psf::Random random(task.seed, task.scan.index);
@@ -99,11 +99,7 @@ Vector6d LiteralPsf::ekf_draw(const Task& task,
   const double weight = config_.information_share / (std_m * std_m);
   const Eigen::LLT<Matrix6d> information(weight * sum.H + P_prior_inverse);
   const Vector6d mean = xi - information.solve(weight * sum.g + P_prior_inverse * xi);
-  Vector6d unit;
-  for (double& value : unit) {
-    value = random.normal();
-  }
-  return mean + information.matrixU().solve(unit);  // A = LLᵀ: L⁻ᵀu has covariance A⁻¹
+  return mean + information.matrixU().solve(drawn_normal(random));  // A = LLᵀ: L⁻ᵀu has covariance A⁻¹
 }
 
 /// The weighted mean of the particles. Deviates: weights by the likelihood alone, since the density

@@ -13,7 +13,7 @@ PlainParticleFilter::PlainParticleFilter(const odometry::OdometryConfig& config)
     : config_(config.update),
       psf_(config.psf),
       likelihood_(config.psf.points),
-      constraints_(config.preprocess.max_planar + 2 * config.preprocess.max_edge) {}
+      constraints_(odometry::max_constraints(config.preprocess)) {}
 
 odometry::UpdateResult PlainParticleFilter::update(const Task& task) {
   psf::Random random(task.seed, task.scan.index);
@@ -29,11 +29,7 @@ void PlainParticleFilter::sample_prior(const Task& task, psf::Random& random) {
   const Matrix6d root = Matrix6d(task.P_prior.topLeftCorner<6, 6>()).llt().matrixL();
   particles_.resize(kParticles);
   for (Vector6d& particle : particles_) {
-    Vector6d unit;
-    for (double& value : unit) {
-      value = random.normal();
-    }
-    particle = root * unit;
+    particle = root * drawn_normal(random);
   }
 }
 
