@@ -3,7 +3,6 @@
 #include <fcntl.h>
 #include <poll.h>
 #include <stdlib.h>
-#include <sys/ioctl.h>
 #include <termios.h>
 #include <unistd.h>
 
@@ -94,11 +93,11 @@ bool RowTerminal::is_drained() {
     return true;
   }
   push();
-  const int reader = ::open(name_.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
-  int waiting = 0;
-  const bool known = ioctl(reader, FIONREAD, &waiting) == 0;
-  ::close(reader);
-  return backlog_.empty() && known && waiting == 0;
+  // poll() waits for what the kernel still carries from one side to the other; FIONREAD would not count it.
+  pollfd reader{::open(name_.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC), POLLIN, 0};
+  const bool empty = reader.fd >= 0 && poll(&reader, 1, 0) == 0;
+  ::close(reader.fd);
+  return backlog_.empty() && empty;
 }
 
 std::size_t RowTerminal::rows_left() const {
