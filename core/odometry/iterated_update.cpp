@@ -62,11 +62,14 @@ void note_fit(const NormalEquations& sum, const scan::DeskewedScan& scan, const 
 
 void widen_where_excluded(const NavState& prior, const Se3& T_odom_imu, Covariance& P_prior) {
   constexpr double kScan_s = 0.1;
+  constexpr double kMostVelocity_mps = 0.5;
   auto P_pose = P_prior.block<6, 6>(kPose, kPose);
   const Vector6d error = geometry::boxminus(T_odom_imu, prior.T_odom_imu);
   if (error.dot(P_pose.ldlt().solve(error)) > 9.0) {
-    P_pose += error * error.transpose();
-    P_prior.diagonal().segment<3>(inertial::kVelocity) += (error.head<3>() / kScan_s).cwiseAbs2();
+    P_pose.diagonal().head<3>().array() += error.head<3>().squaredNorm();
+    P_pose.diagonal().tail<3>().array() += error.tail<3>().squaredNorm();
+    P_prior.diagonal().segment<3>(inertial::kVelocity) +=
+        (error.head<3>() / kScan_s).cwiseAbs().cwiseMin(kMostVelocity_mps).cwiseAbs2();
   }
 }
 

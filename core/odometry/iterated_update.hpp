@@ -51,7 +51,9 @@ void note_fit(const registration::NormalEquations& sum,
               UpdateResult& result);
 
 /// Widens the covariance of a prior that excludes (beyond 3σ) a pose which was found to be the right one: in the pose by
-/// the error, in the velocity by what brought it about within a scan.
+/// the error's length in every direction, for what the scan does not see of it is as likely as what it sees; in the
+/// velocity by what brought it about within a scan, but no more than a knock does, or what is later found of the error
+/// would pass for velocity.
 void widen_where_excluded(const inertial::NavState& prior, const geometry::Se3& T_odom_imu, inertial::Covariance& P_prior);
 
 /// Updates the predicted state with a scan: iterated EKF on point-to-plane and point-to-line constraints, in

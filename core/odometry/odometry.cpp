@@ -65,6 +65,7 @@ void Odometry::begin() {
   path_m_ = 0.0;
   bad_scans_ = 0;
   confirmed_ = true;
+  was_weak_ = false;
   agreeing_scans_ = unconfirmed_scans_ = unmet_scans_ = restart_said_ = 0;
   last_scan_end_ = Stamp{};
   motion_ = MotionStep{};
@@ -111,6 +112,10 @@ OdometryResult Odometry::process(const DeskewedScan& scan,
     posterior.state = predicted;
     posterior.P = P_ = P_predicted;
     posterior.enough = false;
+  }
+  if (!samples.empty() && posterior.enough && is_jump(predicted.T_odom_imu, posterior.state.T_odom_imu)) {
+    confirmed_ = false;
+    agreeing_scans_ = 0;
   }
   const Cause update_cause = confirm(posterior, judge(posterior));               // 9, 10
   const double moved_m = (posterior.state.T_odom_imu.translation() - state_.T_odom_imu.translation()).norm();
@@ -230,6 +235,13 @@ Cause Odometry::contradiction_of(const UpdateResult& update) const {
   return Cause::kNone;
 }
 
+// A scan that moves the pose so far from where the inertial sensor has it may have found a wrong place, and where a
+// direction is weak, nothing of it has been seen there: so the map must confirm it, too.
+bool Odometry::is_jump(const Se3& T_odom_imu_predicted, const Se3& T_odom_imu) const {
+  const geometry::Vector6d correction = geometry::boxminus(T_odom_imu, T_odom_imu_predicted);
+  return correction.head<3>().norm() > config_.jump_m || correction.tail<3>().norm() > config_.jump_rad;
+}
+
 // A map that grows at a wrong pose agrees with it ever after. So after anything that may have moved the vehicle unseen
 // the map stays as it was until it has agreed.
 bool Odometry::lost_the_thread(const DeskewedScan& scan, Cause prediction_cause) const {
@@ -240,10 +252,12 @@ bool Odometry::lost_the_thread(const DeskewedScan& scan, Cause prediction_cause)
 Cause Odometry::confirm(const UpdateResult& update, Cause update_cause) {
   restart_said_ = std::max(0, restart_said_ - 1);
   if (confirmed_) {
+    was_weak_ = update_cause == Cause::kDegenerate;
     unconfirmed_scans_ = unmet_scans_ = 0;
     return update_cause == Cause::kNone && restart_said_ > 0 ? Cause::kMapRestarted : update_cause;
   }
-  const bool agrees = update_cause == Cause::kNone && update.matched_ratio >= config_.confirming_matched_ratio;
+  const bool fits = update_cause == Cause::kNone || (update_cause == Cause::kDegenerate && was_weak_);
+  const bool agrees = fits && update.matched_ratio >= config_.confirming_matched_ratio;
   agreeing_scans_ = agrees ? agreeing_scans_ + 1 : 0;
   if (agreeing_scans_ >= config_.confirming_scans) {
     confirmed_ = true;

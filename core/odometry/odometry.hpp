@@ -112,6 +112,7 @@ class Odometry {
   Cause predict(Stamp to, std::span<const sensor::ImuSample> samples, std::span<const sensor::WheelSample> wheels);
   void propagate(Stamp to, std::span<const sensor::ImuSample> samples);
   void coast(bool without_imu);
+  bool is_jump(const geometry::Se3& T_odom_imu_predicted, const geometry::Se3& T_odom_imu) const;
   bool lost_the_thread(const scan::DeskewedScan& scan, Cause prediction_cause) const;
   Cause confirm(const UpdateResult& update, Cause update_cause);
   Cause contradiction_of(const UpdateResult& update) const;
@@ -137,6 +138,7 @@ class Odometry {
   int bad_scans_ = 0;
   // Whether the pose hangs together with the map: not after a gap, until the map has agreed a few times.
   bool confirmed_ = true;
+  bool was_weak_ = false;           // when it last did
   int agreeing_scans_ = 0;
   int unconfirmed_scans_ = 0;
   int unmet_scans_ = 0;             // of these: in a row with little of the old map

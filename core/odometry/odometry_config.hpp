@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 
 #include "core/geometry/se3.hpp"
@@ -42,6 +43,8 @@ struct OdometryConfig {
   double max_innovation = 60.0;        // squared Mahalanobis length; beyond, the prediction was wrong
   Duration max_imu_gap = std::chrono::milliseconds(50);
   Duration max_scan_gap = std::chrono::milliseconds(500);  // beyond, the map must confirm the pose before it grows
+  double jump_m = 0.2;                 // a scan that corrects the inertial prediction by more: likewise
+  double jump_rad = 2.0 * M_PI / 180.0;
   double confirming_matched_ratio = 0.5;  // of the features, in the map as it was
   int confirming_scans = 3;            // that agree in a row
   int lost_after = 20;                 // scans without a trustworthy update

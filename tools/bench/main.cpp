@@ -185,6 +185,8 @@ int main(int argc, char** argv) {
         psf_study->add_option("--seed", options.seed, "Of worlds and draws")->capture_default_str();
         psf_study->add_option("--world", options.study.worlds, "One or more; default: all six")
             ->check(CLI::IsMember(simulate::world_names()));
+        psf_study->add_option("--estimator", options.study.estimators, "One or more; default: all")
+            ->check(CLI::IsMember(study::estimator_names(study::Experiment::kRegistration)));
         psf_study->add_option("--experiment", options.experiment, "registration, tracking or both")
             ->check(CLI::IsMember({"registration", "tracking", "both"}))
             ->capture_default_str();

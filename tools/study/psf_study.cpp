@@ -52,7 +52,9 @@ std::vector<CellKey> cell_keys(const StudyConfig& config) {
       }
       for (const std::string& condition : conditions(experiment)) {
         for (const std::string& estimator : estimator_names(experiment)) {
-          keys.push_back({experiment, condition, told, estimator});
+          if (config.has(estimator)) {
+            keys.push_back({experiment, condition, told, estimator});
+          }
         }
       }
     }
@@ -285,6 +287,11 @@ WorldResult world_result(const std::string& world,
 bool StudyConfig::has(Experiment experiment, bool prior_told) const {
   return (experiment == Experiment::kRegistration ? registration : tracking) &&
          (prior_told ? told : not_told);
+}
+
+bool StudyConfig::has(const std::string& estimator) const {
+  return estimators.empty() ||
+         std::find(estimators.begin(), estimators.end(), estimator) != estimators.end();
 }
 
 const std::vector<std::string>& estimator_names(Experiment experiment) {

@@ -23,12 +23,14 @@ struct StudyConfig {
   int threads = 1;  // the result is the same for any number
   std::vector<std::string> worlds;
   std::vector<std::string> overrides = {};  // "key=value" of slamd's configuration
+  std::vector<std::string> estimators = {};  // empty: all
   bool registration = true;            // which experiments,
   bool tracking = true;
   bool not_told = true;  // and which priors
   bool told = true;
 
   bool has(Experiment experiment, bool prior_told) const;
+  bool has(const std::string& estimator) const;
 };
 
 /// A registration has succeeded when it ends so near to the reference.

@@ -35,7 +35,7 @@ std::string percent_interval(std::size_t hits, std::size_t n) {
 }
 
 std::string cell_text(std::size_t hits, std::size_t n) {
-  return std::to_string(hits) + " (" + percent_interval(hits, n) + ")";
+  return n == 0 ? "–" : std::to_string(hits) + " (" + percent_interval(hits, n) + ")";
 }
 
 struct Counts {
@@ -78,7 +78,7 @@ std::string row_of(const std::string& title,
   for (const std::string& estimator : estimator_names(key.experiment)) {
     key.estimator = estimator;
     const Counts sum = sum_of(results, key, wanted);
-    n = sum.n;
+    n = std::max(n, sum.n);
     row += " " + cell_text(sum.hits, sum.n) + " |";
   }
   return n == 0 ? "" : row + " " + std::to_string(n) + " |\n";
