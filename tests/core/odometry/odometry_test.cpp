@@ -76,13 +76,14 @@ struct RoomFixture {
 
   RoomFixture() : config(lidar_only()), scan(config.preprocess), sut(config) {
     sut.start_without_imu(Stamp{});
-    for (int i = 0; i < 400; ++i) {
+    for (int i = 0; i < 1200; ++i) {
       const float a = 0.2F * static_cast<float>(i % 20) - 2.0F;
-      const float b = 0.2F * static_cast<float>(i / 20) - 2.0F;
-      for (const Eigen::Vector3f& p : {Eigen::Vector3f(a, b, -1.0F), Eigen::Vector3f(3.0F, a, b), Eigen::Vector3f(a, 3.0F, b)}) {
-        scan.planar.push_back({p, p.norm()});
-        scan.map_points_imu.push_back(p);
-      }
+      const float b = 0.2F * static_cast<float>(i / 20 % 20) - 2.0F;
+      const Eigen::Vector3f p = i < 400   ? Eigen::Vector3f(a, b, -1.0F)
+                                : i < 800 ? Eigen::Vector3f(3.0F, a, b)
+                                          : Eigen::Vector3f(a, 3.0F, b);
+      scan.planar.push_back({p, p.norm()});
+      scan.map_points_imu.push_back(p);
     }
     for (int i = 0; i < 5; ++i) {
       add(std::chrono::milliseconds(100));
@@ -144,28 +145,59 @@ TEST(Odometry, BeginsTheMapAnewWhereItDoesNotMeetTheOldOneAndSaysSo) {
   EXPECT_EQ(fixture.last.cause, Cause::kMapRestarted);
 }
 
+/// Samples of an inertial sensor that turns about its vertical, for the 100 ms before `end`.
+std::vector<sensor::ImuSample> samples_to(Stamp end, double rate_radps) {
+  std::vector<sensor::ImuSample> samples;
+  for (Stamp now = end - std::chrono::milliseconds(100); now <= end; now += std::chrono::milliseconds(10)) {
+    samples.push_back({now, {0.0, 0.0, rate_radps}, {0.0, 0.0, inertial::kGravityMps2}});
+  }
+  return samples;
+}
+
+TEST(Odometry, LetsTheMapConfirmAPoseThatTheInertialSensorDidNotExpect) {
+  OdometryConfig config;
+  Odometry sut(config);
+  RoomFixture room;
+  sut.start({});
+  const auto add = [&] {
+    room.scan.begin = room.scan.end;
+    room.scan.end += std::chrono::milliseconds(100);
+    ++room.scan.index;
+    return sut.process(room.scan, samples_to(room.scan.end, 0.0));
+  };
+  room.scan.end = Stamp{};
+  for (int i = 0; i < 5; ++i) {
+    add();
+  }
+  room.move_scan({0.3F, 0.25F, 0.0F});
+
+  const OdometryResult jump = add();
+
+  EXPECT_NEAR(jump.T_odom_base.translation().x(), -0.3, 0.02);
+  EXPECT_NEAR(jump.T_odom_base.translation().y(), -0.25, 0.02);
+  EXPECT_EQ(jump.cause, Cause::kUnconfirmed);
+  EXPECT_FALSE(jump.map_updated);
+  OdometryResult last;
+  for (int i = 1; i < config.confirming_scans; ++i) {
+    last = add();
+  }
+  EXPECT_EQ(last.state, State::kTracking);
+  EXPECT_TRUE(last.map_updated);
+}
+
 TEST(Odometry, DoesNotTrustAnInertialSensorAtItsLimit) {
   OdometryConfig config;
   Odometry sut(config);
   RoomFixture room;
   sut.start({});
-  std::vector<sensor::ImuSample> samples;
-  const auto samples_to = [&](Stamp end, double rate_radps) {
-    samples.clear();
-    for (Stamp now = end - std::chrono::milliseconds(100); now <= end; now += std::chrono::milliseconds(10)) {
-      samples.push_back({now, {0.0, 0.0, rate_radps}, {0.0, 0.0, inertial::kGravityMps2}});
-    }
-  };
   scan::DeskewedScan& scan = room.scan;
   scan.begin = Stamp{};
   scan.end = Stamp{} + std::chrono::milliseconds(100);
-  samples_to(scan.end, 0.0);
-  sut.process(scan, samples);
+  sut.process(scan, samples_to(scan.end, 0.0));
   scan.begin = scan.end;
   scan.end += std::chrono::milliseconds(100);
-  samples_to(scan.end, 1.5);
 
-  const OdometryResult result = sut.process(scan, samples);
+  const OdometryResult result = sut.process(scan, samples_to(scan.end, 1.5));
 
   EXPECT_EQ(result.state, State::kDegraded);
   EXPECT_EQ(result.cause, Cause::kSaturated);
