@@ -30,6 +30,16 @@ void SurfaceCell::add(const Eigen::Vector3f& p_odom) {
   }
 }
 
+Eigen::Vector3f SurfaceCell::normal_near(const Eigen::Vector3f& p_odom) const {
+  if (surface == Surface::kPlane) {
+    return axis_odom;
+  }
+  const Eigen::Vector3f upright = axis_odom.cross(Eigen::Vector3f::UnitZ()).normalized();
+  const Eigen::Vector3f level = upright.cross(axis_odom);
+  const Eigen::Vector3f d = p_odom - mean_odom;
+  return std::abs(level.dot(d)) < std::abs(upright.dot(d)) ? level : upright;
+}
+
 void SurfaceCell::fit() {
   fitted_count = count;
   const float n = static_cast<float>(count);
@@ -41,8 +51,8 @@ void SurfaceCell::fit() {
   const Eigen::Vector3f& lambda = solver.eigenvalues();
   const float floor = 1e-5F;  // (3 mm)²: below the sensor's noise ratios mean nothing
   if (lambda[2] > 8.0F * std::max(lambda[1], floor)) {
-    surface = Surface::kLine;
     axis_odom = solver.eigenvectors().col(2);
+    surface = std::abs(axis_odom.z()) > 0.5F ? Surface::kLine : Surface::kRing;
   } else if (lambda[1] > 4.0F * std::max(lambda[0], floor)) {
     surface = Surface::kPlane;
     axis_odom = solver.eigenvectors().col(0);

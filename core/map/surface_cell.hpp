@@ -12,7 +12,8 @@ namespace slamd::map {
 enum class Surface : std::uint8_t {
   kUnknown,  // too few points, or a blob
   kPlane,    // λ₁ > 4 λ₀
-  kLine,     // λ₂ > 8 λ₁
+  kLine,     // λ₂ > 8 λ₁, upright: a pole
+  kRing,     // the same, level: as a rule one ring of beams on a floor or a wall, nobody knows which
 };
 
 /// A cube of the coarse grid: running mean and covariance of its points, and the plane or line through them.
@@ -33,10 +34,16 @@ struct SurfaceCell {
   /// Takes a point in, and fits anew when the number of points has grown by a quarter.
   void add(const Eigen::Vector3f& p_odom);
 
+  /// Returns the normal of the plane, or of a ring: that of the floor or of the wall through it, whichever is nearer.
+  Eigen::Vector3f normal_near(const Eigen::Vector3f& p_odom) const;
+
   /// Returns the distance to the surface. Units: m.
   float distance_m(const Eigen::Vector3f& p_odom) const {
     const Eigen::Vector3f d = p_odom - mean_odom;
     const float along = axis_odom.dot(d);
+    if (surface == Surface::kRing) {
+      return std::abs(normal_near(p_odom).dot(d));
+    }
     if (surface == Surface::kPlane) {
       return std::abs(along);
     }

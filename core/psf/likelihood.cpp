@@ -100,14 +100,15 @@ void ScanLikelihood::cache_surfaces(const map::VoxelMap& map, std::size_t level,
   const Eigen::Matrix3f R = T_odom_imu.rotation().cast<float>();
   const Eigen::Vector3f t = T_odom_imu.translation().cast<float>();
   for (std::size_t i = 0; i < points_imu_.size(); ++i) {
-    const SurfaceCell* cell = map.surface(R * points_imu_[i] + t, level);
+    const Eigen::Vector3f p_odom = R * points_imu_[i] + t;
+    const SurfaceCell* cell = map.surface(p_odom, level);
     const bool known = cell != nullptr && cell->surface != Surface::kUnknown;
     const bool line = known && cell->surface == Surface::kLine;
     least_cost_[i] = known ? 0.0F : kFullCost;
     along_[i] = line ? -1.0F : 1.0F;
     across_[i] = line ? 1.0F : 0.0F;
     const Eigen::Vector3f mean = known ? cell->mean_odom : Eigen::Vector3f::Zero();
-    const Eigen::Vector3f axis = known ? cell->axis_odom : Eigen::Vector3f::Zero();
+    const Eigen::Vector3f axis = line ? cell->axis_odom : known ? cell->normal_near(p_odom) : Eigen::Vector3f::Zero();
     mean_x_[i] = mean.x();
     mean_y_[i] = mean.y();
     mean_z_[i] = mean.z();

@@ -159,8 +159,9 @@ void associate_surfaces(std::span<const Eigen::Vector3f> points_imu,
     if (cell == nullptr || cell->surface == map::Surface::kUnknown || cell->distance_m(p_odom) > gate_m) {
       continue;
     }
-    if (cell->surface == map::Surface::kPlane) {
-      out.try_push_back({p_imu, cell->axis_odom, -cell->axis_odom.dot(cell->mean_odom), 1.0F});
+    if (cell->surface != map::Surface::kLine) {
+      const Eigen::Vector3f n_odom = cell->normal_near(p_odom);
+      out.try_push_back({p_imu, n_odom, -n_odom.dot(cell->mean_odom), 1.0F});
       continue;
     }
     const Eigen::Vector3f across = cell->axis_odom.unitOrthogonal();

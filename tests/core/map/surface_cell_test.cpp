@@ -39,6 +39,23 @@ TEST(SurfaceCell, FindsTheLineOfAPole) {
   EXPECT_NEAR(sut.distance_m({5.2F, 2.0F, 0.1F}), 0.2F, 0.02F);
 }
 
+TEST(SurfaceCell, TakesALevelLineForARingOnAFloorOrAWall) {
+  std::mt19937_64 engine(2);
+  std::uniform_real_distribution<float> uniform(-0.25F, 0.25F);
+  std::normal_distribution<float> noise(0.0F, 0.01F);
+  SurfaceCell sut;
+  for (int i = 0; i < 60; ++i) {
+    sut.add({uniform(engine), 2.0F + noise(engine), 1.0F + noise(engine)});
+  }
+
+  EXPECT_EQ(sut.surface, Surface::kRing);
+  EXPECT_NEAR(sut.distance_m({0.1F, 2.2F, 1.0F}), 0.0F, 0.02F);  // farther on the same floor
+  EXPECT_NEAR(sut.distance_m({0.1F, 2.0F, 1.2F}), 0.0F, 0.02F);  // higher on the same wall
+  EXPECT_NEAR(sut.distance_m({0.1F, 2.2F, 1.1F}), 0.1F, 0.02F);
+  EXPECT_GT(std::abs(sut.normal_near({0.1F, 2.2F, 1.1F}).z()), 0.98F);
+  EXPECT_GT(std::abs(sut.normal_near({0.1F, 2.1F, 1.2F}).y()), 0.98F);
+}
+
 TEST(SurfaceCell, CallsABlobAndAFewPointsUnknown) {
   std::mt19937_64 engine(3);
   std::uniform_real_distribution<float> uniform(-0.25F, 0.25F);

@@ -76,12 +76,12 @@ struct RoomFixture {
 
   RoomFixture() : config(lidar_only()), scan(config.preprocess), sut(config) {
     sut.start_without_imu(Stamp{});
-    for (int i = 0; i < 1200; ++i) {
-      const float a = 0.2F * static_cast<float>(i % 20) - 2.0F;
-      const float b = 0.2F * static_cast<float>(i / 20 % 20) - 2.0F;
-      const Eigen::Vector3f p = i < 400   ? Eigen::Vector3f(a, b, -1.0F)
-                                : i < 800 ? Eigen::Vector3f(3.0F, a, b)
-                                          : Eigen::Vector3f(a, 3.0F, b);
+    for (int i = 0; i < 3 * 625; ++i) {
+      const float a = 0.16F * static_cast<float>(i % 25) - 2.0F;
+      const float b = 0.16F * static_cast<float>(i / 25 % 25) - 2.0F;
+      const Eigen::Vector3f p = i < 625       ? Eigen::Vector3f(a, b, -1.0F)
+                                : i < 2 * 625 ? Eigen::Vector3f(3.1F, a, b)
+                                              : Eigen::Vector3f(a, 3.1F, b);
       scan.planar.push_back({p, p.norm()});
       scan.map_points_imu.push_back(p);
     }
@@ -169,12 +169,12 @@ TEST(Odometry, LetsTheMapConfirmAPoseThatTheInertialSensorDidNotExpect) {
   for (int i = 0; i < 5; ++i) {
     add();
   }
-  room.move_scan({0.3F, 0.25F, 0.0F});
+  room.move_scan({0.3F, 0.26F, 0.0F});
 
   const OdometryResult jump = add();
 
   EXPECT_NEAR(jump.T_odom_base.translation().x(), -0.3, 0.02);
-  EXPECT_NEAR(jump.T_odom_base.translation().y(), -0.25, 0.02);
+  EXPECT_NEAR(jump.T_odom_base.translation().y(), -0.26, 0.02);
   EXPECT_EQ(jump.cause, Cause::kUnconfirmed);
   EXPECT_FALSE(jump.map_updated);
   OdometryResult last;
