@@ -51,10 +51,28 @@ Matrix6d map_drift(const Matrix6d& information,
   return in_base_axes(laid * (J_base_imu * bounded.inverse() * J_base_imu.transpose()), T_odom_base);
 }
 
-void SurroundingsDrift::add(const Se3& T_odom_last, const Se3& T_odom_base, const Matrix6d& drift_base) {
+Eigen::Vector3d blind_way(const registration::WeakDirections& weak, const Eigen::Vector3d& step_odom, double share) {
+  Eigen::Vector3d blind = Eigen::Vector3d::Zero();
+  for (std::size_t i = 0; i < weak.count; ++i) {
+    blind += share * weak.odom[i].dot(step_odom) * weak.odom[i];
+  }
+  return blind;
+}
+
+void SurroundingsDrift::add(const Se3& T_odom_last,
+                            const Se3& T_odom_base,
+                            const Matrix6d& drift_base,
+                            const Eigen::Vector3d& blind_odom) {
   const Se3 T_last_base = T_odom_last.inverse() * T_odom_base;
-  covariance_ *= std::exp(-T_last_base.translation().norm() / kSurroundings_m);
-  covariance_ = composed_drift(covariance_, T_odom_last, T_last_base, drift_base);
+  const double kept = std::exp(-T_last_base.translation().norm() / kSurroundings_m);
+  covariance_ = composed_drift(kept * covariance_, T_odom_last, T_last_base, drift_base);
+  blind_odom_ = kept * blind_odom_ + blind_odom;
+}
+
+Matrix6d SurroundingsDrift::covariance() const {
+  Matrix6d P = covariance_;
+  P.topLeftCorner<3, 3>() += blind_odom_ * blind_odom_.transpose();
+  return P;
 }
 
 }  // namespace slamd::odometry

@@ -3,8 +3,9 @@
 #include "core/geometry/se3.hpp"
 #include "core/inertial/nav_state.hpp"
 #include "core/odometry/motion_covariance.hpp"
+#include "core/registration/constraint.hpp"
 
-// What the filter does not know of its own errors, in four constants; docs/odometry.md, "Uncertainty", has what they were
+// What the filter does not know of its own errors, in a few constants; docs/odometry.md, "Uncertainty", has what they were
 // measured on. The filter's weights are left alone: this is said beside it.
 
 namespace slamd::odometry {
@@ -24,6 +25,16 @@ inline constexpr double kLaidShare = 1.5;
 
 /// The way over which the drift is told in the pose's own covariance: what lies around was laid down on it.
 inline constexpr double kSurroundings_m = 10.0;
+
+/// What the way along a direction that the scan does not see may be wrong by, as a share of it, without wheels: the
+/// inertial sensor alone carries the pose there.
+inline constexpr double kBlindShare = 0.05;
+
+/// And with wheels at least, whatever their scale is believed to be.
+inline constexpr double kLeastScaleStd = 0.003;
+
+/// Returns what of a step lies along weak directions, times `share`. Frames: odom.  Units: m.
+Eigen::Vector3d blind_way(const registration::WeakDirections& weak, const Eigen::Vector3d& step_odom, double share);
 
 /// Takes the covariance of an update (all states by the pose: columns 0..5 of P) to that of its gain under the points'
 /// true noise: P − (1 − kTrueNoiseShare) P H P. Directions that the scan does not see keep theirs.
@@ -48,13 +59,17 @@ geometry::Matrix6d in_base_axes(const geometry::Matrix6d& P_odom_base, const geo
 class SurroundingsDrift {
  public:
   /// Goes on by one scan.
-  void add(const geometry::Se3& T_odom_last, const geometry::Se3& T_odom_base, const geometry::Matrix6d& drift_base);
+  void add(const geometry::Se3& T_odom_last,
+           const geometry::Se3& T_odom_base,
+           const geometry::Matrix6d& drift_base,
+           const Eigen::Vector3d& blind_odom);
 
   /// Of (δp, δθ) of T_odom_base.
-  const geometry::Matrix6d& covariance() const { return covariance_; }
+  geometry::Matrix6d covariance() const;
 
  private:
   geometry::Matrix6d covariance_ = geometry::Matrix6d::Zero();
+  Eigen::Vector3d blind_odom_ = Eigen::Vector3d::Zero();
 };
 
 }  // namespace slamd::odometry

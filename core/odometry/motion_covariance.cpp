@@ -31,6 +31,7 @@ void MotionCovariance::add(const MotionStep& next) {
   P_last_ = next.J_base_imu * next.P_filter_base.topRows<6>();
   drift_ = composed_drift(drift_, T_odom_first_.inverse() * T_odom_last_, T_odom_last_.inverse() * next.T_odom_base,
                           next.drift_base);
+  blind_odom_ += next.blind_odom;
   T_odom_last_ = next.T_odom_base;
 }
 
@@ -46,8 +47,10 @@ Matrix6d MotionCovariance::covariance() const {
   J_last.topLeftCorner<3, 3>() = R_first_odom;
   const Matrix6d common = J_last * (J_base_imu_ * C_last_first_.topRows<6>()) * J_first.transpose();
   const Matrix6d shared = errors_of_all_points();
-  const Matrix6d P = J_first * (P_first_ + shared) * J_first.transpose() + J_last * (P_last_ + shared) * J_last.transpose() + common +
-                     common.transpose() + drift_;
+  Matrix6d P = J_first * (P_first_ + shared) * J_first.transpose() + J_last * (P_last_ + shared) * J_last.transpose() + common +
+               common.transpose() + drift_;
+  const Eigen::Vector3d blind_first = R_first_odom * blind_odom_;
+  P.topLeftCorner<3, 3>() += blind_first * blind_first.transpose();
   return 0.5 * (P + P.transpose());
 }
 

@@ -15,14 +15,18 @@ struct MotionStep {
       Eigen::Matrix<double, inertial::kFilterStates, 6>::Zero();
   geometry::Matrix6d J_base_imu = geometry::Matrix6d::Identity();  // errors of T_odom_base by those of T_odom_imu
   geometry::Matrix6d drift_base = geometry::Matrix6d::Zero();      // of the map since the scan before, in base's axes
+  /// What the way since the scan before may be wrong by where no surface showed it: one standard deviation, in odom's
+  /// axes. Unlike the drift it is the same share of every step.
+  Eigen::Vector3d blind_odom = Eigen::Vector3d::Zero();
 };
 
 /// The covariance of the motion between two scans: of T_first_last, from a step for each scan between.
 ///
-/// Three parts. The filter's own errors at both ends, with what they have in common: Cov(e_last, e_first) = Φ P_first, Φ
+/// Four parts. The filter's own errors at both ends, with what they have in common: Cov(e_last, e_first) = Φ P_first, Φ
 /// the product of all propagations and updates between (as a clone of the first pose in the state would have it). Errors
 /// that all points of a scan share, at both ends. And the drift of the map that both were found in: new surfaces are laid
-/// at poses that are a little wrong, a random walk over the way, composed along it by the adjoint (map_drift.hpp).
+/// at poses that are a little wrong, a random walk over the way, composed along it by the adjoint (map_drift.hpp). And along
+/// directions that the scans do not see, what the wheels' scale or the inertial sensor makes of the whole way.
 /// Source: stochastic cloning (Roumeliotis and Burdick, 2002); composition after Smith, Self and Cheeseman (1990).
 /// Real-time: no allocation; O(18² · 6) a step.
 class MotionCovariance {
@@ -43,6 +47,7 @@ class MotionCovariance {
   Eigen::Matrix<double, inertial::kFilterStates, 6> C_last_first_;  // of all states now with the first pose
   geometry::Matrix6d J_base_imu_;
   geometry::Matrix6d drift_ = geometry::Matrix6d::Zero();  // of T_first_last
+  Eigen::Vector3d blind_odom_ = Eigen::Vector3d::Zero();
 };
 
 /// Carries the covariance of T_a_b on to T_a_c = T_a_b T_b_c, where `drift_c` is added in c's axes. A turn that is wrong

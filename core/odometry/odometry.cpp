@@ -70,6 +70,7 @@ void Odometry::begin() {
   last_scan_end_ = Stamp{};
   motion_ = MotionStep{};
   drift_ = SurroundingsDrift{};
+  seen_scale_std_ = 0.0;
   shared_errors_.setZero();
 }
 
@@ -337,8 +338,11 @@ void Odometry::note_uncertainty(double median_range_m, const Matrix6d& J_base_im
   }
   const Se3 T_last_base = motion_.T_odom_base.inverse() * result.T_odom_base;
   motion_.drift_base.setZero();
+  motion_.blind_odom.setZero();
   if (update.enough && confirmed_) {
     motion_.drift_base = map_drift(update.information, result.T_odom_base, J_base_imu, T_last_base, median_range_m);
+    motion_.blind_odom = blind_way(update.localisability.weak,
+                                   result.T_odom_base.translation() - motion_.T_odom_base.translation(), blind_share(update));
   }
   if (result.map_restarts != said_restarts_) {
     said_restarts_ = result.map_restarts;  // the new map stands where the pose was believed to be
@@ -347,12 +351,24 @@ void Odometry::note_uncertainty(double median_range_m, const Matrix6d& J_base_im
   motion_.transition = wheels_.transition();
   motion_.P_filter_base = P_pose * J_base_imu.transpose();
   motion_.J_base_imu = J_base_imu;
-  drift_.add(motion_.T_odom_base, result.T_odom_base, motion_.drift_base);
+  drift_.add(motion_.T_odom_base, result.T_odom_base, motion_.drift_base, motion_.blind_odom);
   motion_.T_odom_base = result.T_odom_base;
   shared_errors_ = drift_.covariance() + errors_of_all_points();
   result.P_odom_base = J_base_imu * P_.block<6, 6>(kPosition, kPosition) * J_base_imu.transpose() + shared_errors_;
   result.up_odom = -state_.g_odom.normalized();
   result.up_std_rad = std::sqrt(P_.diagonal().segment<2>(inertial::kGravity).maxCoeff());
+}
+
+// Along a weak direction the map was laid as the wheels had it, and so confirms their scale, however wrong: what counts
+// is what was known of it when last all directions were seen.
+double Odometry::blind_share(const UpdateResult& update) {
+  if (wheels_.counts().used == 0) {
+    return kBlindShare;
+  }
+  if (update.localisability.weak.count == 0 || seen_scale_std_ == 0.0) {
+    seen_scale_std_ = wheels_.scale_std();
+  }
+  return std::max(kLeastScaleStd, seen_scale_std_);
 }
 
 State Odometry::next_state(Cause cause) {

@@ -120,6 +120,7 @@ class Odometry {
   void extend_map(const scan::DeskewedScan& scan);
   OdometryResult result_of(const scan::DeskewedScan& scan, Cause cause, const UpdateResult& update);
   void note_uncertainty(double median_range_m, const geometry::Matrix6d& J_base_imu, OdometryResult& result);
+  double blind_share(const UpdateResult& update);
   State next_state(Cause cause);
   std::span<const Eigen::Vector3f> swarm_points(const scan::DeskewedScan& scan);
 
@@ -147,6 +148,7 @@ class Odometry {
   Stamp last_scan_end_{};
   MotionStep motion_;
   SurroundingsDrift drift_;
+  double seen_scale_std_ = 0.0;  // of the wheels, when last all directions were seen; 0: not yet
   std::uint32_t said_restarts_ = 0;
   geometry::Matrix6d shared_errors_ = geometry::Matrix6d::Zero();
   // scratch, sized once

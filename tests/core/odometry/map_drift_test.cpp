@@ -64,17 +64,28 @@ TEST(WithTrueNoise, ShrinksWhatTheScanHoldsAndKeepsWhatItDoesNotSee) {
   EXPECT_GT(Eigen::SelfAdjointEigenSolver<Matrix6d>(sut.topRows<6>()).eigenvalues().minCoeff(), 0.0);
 }
 
+TEST(BlindWay, IsTheShareOfTheStepAlongWeakDirectionsOnly) {
+  registration::WeakDirections weak;
+  weak.odom[0] = Eigen::Vector3d(0.6, 0.8, 0.0);
+  weak.count = 1;
+
+  EXPECT_TRUE(blind_way(weak, {1.2, 1.6, 0.5}, 0.03).isApprox(Eigen::Vector3d(0.036, 0.048, 0.0)));
+  EXPECT_TRUE(blind_way(weak, {-0.8, 0.6, 0.5}, 0.03).isZero(1e-12));
+  EXPECT_TRUE(blind_way({}, {1.2, 1.6, 0.5}, 0.03).isZero());
+}
+
 TEST(SurroundingsDrift, StaysBoundedOverAnyWay) {
   SurroundingsDrift sut;
   Se3 last;
   for (int i = 0; i < 2000; ++i) {
     const Se3 next(Eigen::Matrix3d::Identity(), last.translation() + Eigen::Vector3d(0.1, 0.0, 0.0));
-    sut.add(last, next, 1e-6 * Matrix6d::Identity());
+    sut.add(last, next, 1e-6 * Matrix6d::Identity(), {0.001, 0.0, 0.0});
     last = next;
   }
 
   EXPECT_NEAR(sut.covariance()(5, 5), 1e-6 * kSurroundings_m / 0.1, 2e-6);  // 10 m of steps of 0.1 m
   EXPECT_LT(sut.covariance()(1, 1), 0.1);
+  EXPECT_NEAR(std::sqrt(sut.covariance()(0, 0)), 0.1, 0.01);  // a hundredth of the same way
 }
 
 }  // namespace

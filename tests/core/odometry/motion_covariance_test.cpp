@@ -96,5 +96,23 @@ TEST(MotionCovariance, TurnsThatTheMapDriftedMoveWhatComesAfter) {
   EXPECT_NEAR(found(0, 0), 0.0, 1e-12);
 }
 
+TEST(MotionCovariance, LetsABlindWayGrowWithTheWayAndUndoItselfOnTheWayBack) {
+  const Eigen::Matrix3d R = geometry::rotation_from_rpy({0.0, 0.0, M_PI / 2});
+  MotionCovariance sut(step_at(Se3(R, Eigen::Vector3d::Zero()), Matrix6d::Zero()));
+  const auto drive = [&](double step_m) {
+    MotionStep step = step_at(Se3(R, Eigen::Vector3d::Zero()), Matrix6d::Zero());
+    step.blind_odom = {0.0, 0.01 * step_m, 0.0};
+    for (int i = 0; i < 10; ++i) {
+      sut.add(step);
+    }
+  };
+
+  drive(1.0);
+  EXPECT_NEAR(sut.covariance()(0, 0), 0.1 * 0.1, 1e-6);  // odom's y is ahead
+  drive(-1.0);
+
+  EXPECT_NEAR(sut.covariance()(0, 0), 0.0, 1e-6);
+}
+
 }  // namespace
 }  // namespace slamd::odometry
