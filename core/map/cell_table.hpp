@@ -28,6 +28,7 @@ class CellTable {
     links_.resize(capacity);
     slots_.resize(slots_.capacity());
     mask_ = slots_.size() - 1;
+    shift_ = 64 - std::bit_width(mask_);
     clear();
   }
 
@@ -139,7 +140,8 @@ class CellTable {
     std::uint32_t cell = kNone;
   };
 
-  std::size_t home(CellKey key) const { return ((key * 0x9E3779B97F4A7C15ULL) >> 24) & mask_; }
+  // The product's upper bits: only they depend on all of the key's. Source: multiplicative hashing, Knuth, 6.4.
+  std::size_t home(CellKey key) const { return (key * 0x9E3779B97F4A7C15ULL) >> shift_; }
 
   template <typename Released>
   std::uint32_t create(CellKey key, float path_m, Released&& released) {
@@ -201,6 +203,7 @@ class CellTable {
   BoundedVector<Link> links_;
   BoundedVector<Slot> slots_;
   std::size_t mask_ = 0;
+  int shift_ = 63;
   std::uint32_t free_ = kNone;
   std::uint32_t oldest_ = kNone;
   std::uint32_t newest_ = kNone;

@@ -38,12 +38,14 @@ void VoxelSampler::reset(float side_m, std::size_t points) {
   SLAMD_ASSERT(slots_for(points) <= slots_.capacity());
   inverse_side_ = 1.0F / side_m;
   mask_ = slots_for(points) - 1;
+  shift_ = 64 - std::bit_width(mask_);
   std::fill_n(slots_.data(), mask_ + 1, kEmpty);
 }
 
 bool VoxelSampler::admit(const Eigen::Vector3f& p) {
   const std::uint64_t key = packed(p, inverse_side_);
-  for (std::uint64_t i = (key * 0x9E3779B97F4A7C15ULL) >> 32;; ++i) {
+  // The product's upper bits depend on all of the key's.
+  for (std::uint64_t i = (key * 0x9E3779B97F4A7C15ULL) >> shift_;; ++i) {
     std::uint64_t& slot = slots_.data()[i & mask_];
     if (slot == kEmpty) {
       slot = key;

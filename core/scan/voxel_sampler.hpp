@@ -25,6 +25,7 @@ class VoxelSampler {
  private:
   float inverse_side_ = 1.0F;
   std::uint64_t mask_ = 0;
+  int shift_ = 63;
   BoundedVector<std::uint64_t> slots_;  // keys
 };
 
