@@ -69,6 +69,7 @@ struct HostCounters {
 /// What a host wants done after it was given bytes or time: datagrams to be sent, and news.
 struct HostOutput {
   struct Datagram {
+    std::uint16_t from_port = 0;  // of this host
     Endpoint to;
     FrameBytes bytes;
   };
