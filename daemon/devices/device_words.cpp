@@ -21,8 +21,12 @@ std::string concerns_in(std::uint32_t status_code) {
 }  // namespace
 
 void DeviceWords::take(const HostEvent& event) {
+  held_ = event.kind == HostEventKind::kHeldByOther || (held_ && event.kind == HostEventKind::kNotSeen);
   switch (event.kind) {
     case HostEventKind::kNotSeen:
+      if (held_) {
+        break;  // that is why
+      }
       busy_ = "not to be heard: off, of another subnet, or another host's";
       break;
     case HostEventKind::kWrongSubnet:

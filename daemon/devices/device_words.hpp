@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 
 #include "drivers/livox/host_event.hpp"
 
@@ -15,6 +16,7 @@ class DeviceWords {
   std::string cause(bool samples, std::string_view state_name) const;
 
  private:
+  bool held_ = false;     // by another host, when something was last told
   std::string busy_;      // until it samples
   std::string abnormal_;  // also while it samples
 };

@@ -1,5 +1,7 @@
 #include "daemon/devices/livox_device.hpp"
 
+#include <optional>
+
 #include "drivers/livox/sdk1_host.hpp"
 #include "drivers/livox/sdk2_host.hpp"
 #include "drivers/transport/interfaces.hpp"

@@ -9,8 +9,9 @@ needs jq ip
 . tests/system/network.bash
 ip -n slamd_sensor route add 224.0.0.0/4 dev lo  # for the simulator's truth
 
+space=slamd_host  # whose daemon is asked
 now_ms() { date +%s%3N; }
-health() { on_host "$bin/slamd-status" --once --json 2>/dev/null; }
+health() { ip netns exec "$space" "$bin/slamd-status" --once --json 2>/dev/null; }
 
 # back_to_tracking WHAT SECONDS [BEGAN]: the daemon says TRACKING, and its sensors run, within so long of now or BEGAN;
 # says how long it took. The vehicle stands still: the pose has to be where it was.
@@ -52,13 +53,13 @@ switch_on() {
 }
 start_daemon() {
   log=$1
-  ip netns exec slamd_host "$bin/slamd" --config "$work/slamd.toml" 2>"$log" &
+  ip netns exec "$space" "$bin/slamd" --config "$work/slamd.toml" 2>"$log" &
   daemon=$!
   pids+=("$daemon")
 }
 
-# keep LIDAR CODE: everything that happens to one device.
-keep() {
+# configure LIDAR CODE
+configure() {
   lidar=$1 work=$scratch/$1
   mkdir -p "$work"
   cat >"$work/slamd.toml" <<TOML
@@ -69,6 +70,11 @@ T_base_lidar = { xyz_m = [0.0, 0.0, 0.3] }
 [imu]
 source = "livox"
 TOML
+}
+
+# keep LIDAR CODE: everything that happens to one device.
+keep() {
+  configure "$@"
   start_daemon "$work/first.log"
   cause_is "no device is there" 'searching|not to be heard' 8
   switch_on
@@ -105,4 +111,20 @@ TOML
 
 keep livox_avia 3JEDK380010Z391
 keep livox_mid360 47MDL1234567890
+# Two computers hear the same Avia: one has it, the other says so, and takes it when the first has died.
+configure livox_avia any
+start_daemon "$work/host.log"
+host=$daemon
+space=slamd_sensor
+start_daemon "$work/sensor.log"
+sensor=$daemon
+switch_on
+for ((i = 0; i < 100; ++i)); do grep -q ' is held by another host' "$work/host.log" "$work/sensor.log" && break; sleep 0.1; done
+loser=sensor winner=$host
+grep -q ' is held by another host' "$work/host.log" && { loser=host winner=$sensor; }
+space=slamd_$loser log=$work/$loser.log
+cause_is "the computer that comes too late says why" 'livox_avia: held by another host' 5
+started=$(now_ms)
+kill -9 "$winner"; wait "$winner" 2>/dev/null
+back_to_tracking "the daemon that held it was killed, the other takes it" 20 "$started"
 exit "$status"

@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <string>
+#include <utility>
+
 namespace slamd::devices {
 namespace {
 
@@ -53,6 +56,18 @@ TEST(DeviceWords, ForgetWhatWasOnceTheDeviceIsFoundOrSamples) {
 
     EXPECT_EQ(sut.cause(false, "configuring"), "configuring");
   }
+}
+
+TEST(DeviceWords, KnowWhyADeviceOfAnotherHostIsNotToBeHeard) {
+  DeviceWords sut;
+  sut.take(event(HostEventKind::kHeldByOther));
+
+  sut.take(event(HostEventKind::kNotSeen));
+
+  EXPECT_EQ(sut.cause(false, "searching"), "held by another host");
+  sut.take(event(HostEventKind::kFound));
+  sut.take(event(HostEventKind::kNotSeen));
+  EXPECT_NE(sut.cause(false, "searching"), "held by another host");
 }
 
 TEST(DeviceWords, KeepWhatIsWrongWithADeviceWhileItSamples) {
