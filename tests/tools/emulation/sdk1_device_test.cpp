@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <random>
 
 #include "drivers/livox/sdk1_host.hpp"
 #include "emulated_wire.hpp"
@@ -213,6 +214,26 @@ TEST_F(Sdk1DeviceTest, SaysNothingToWhatItDoesNotUnderstand) {
   EXPECT_FALSE(wire_.ask(from_hex("00"), kHost, Sdk1Device::kCommandPort));
   EXPECT_FALSE(wire_.ask(from_hex("AA010F0000000004D7000338BA8D0C"), kHost, Sdk1Device::kPointPort));
   EXPECT_EQ(ask(Sdk1Command::kReboot), "01");
+}
+
+TEST_F(Sdk1DeviceTest, SurvivesAnyFramesAndIsStillToBeHad) {
+  std::mt19937 random(7);
+  for (int round = 0; round < 3000; ++round) {
+    Payload payload;
+    for (std::size_t i = random() % 30; i > 0; --i) {
+      payload.push_back(static_cast<std::byte>(random() % 4));
+    }
+    const auto command = static_cast<Sdk1Command>((random() % 2) << 8 | random() % 16);
+    const auto frame = livox::write_sdk1_frame({static_cast<Sdk1FrameType>(random() % 3), 1, command, payload.view()});
+    wire_.ask(frame.view(), random() % 2 == 0 ? kHost : kOther, Sdk1Device::kCommandPort);
+    if (round % 7 == 0) {
+      wire_.run(milliseconds{10});
+    }
+  }
+  wire_.run(seconds{6});
+
+  EXPECT_EQ(shake_hands(), "00");
+  EXPECT_EQ(sut_.state(), Sdk1DeviceState::kHeld);
 }
 
 TEST_F(Sdk1DeviceTest, IsFoundSetAndStartedBySlamdsHostAndFoundAgainAfterEachLoss) {

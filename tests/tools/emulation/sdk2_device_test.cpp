@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <random>
+
 #include "drivers/livox/sdk2_host.hpp"
 #include "emulated_wire.hpp"
 
@@ -161,6 +163,29 @@ TEST_F(Sdk2DeviceTest, AnswersNoQuestionThatIsLongerThanAFrame) {
   std::vector<Sdk2Key> keys(30, Sdk2Key::kHealth);
 
   EXPECT_EQ(ask(Sdk2Command::kGetParameters, livox::sdk2_question(keys).view()), "010000");
+}
+
+TEST_F(Sdk2DeviceTest, SurvivesAnyFramesAndIsStillToBeHad) {
+  std::mt19937 random(8);
+  constexpr Sdk2Command kCommands[] = {Sdk2Command::kSetParameters, Sdk2Command::kGetParameters, Sdk2Command::kGpsTime,
+                                       Sdk2Command::kDiscovery, Sdk2Command::kStatePush};
+  for (int round = 0; round < 3000; ++round) {
+    std::vector<std::byte> payload(random() % 60);
+    for (std::byte& byte : payload) {
+      byte = static_cast<std::byte>(random() % 4);
+    }
+    const auto frame =
+        livox::write_sdk2_frame({1, kCommands[random() % 5], random() % 4 == 0, random() % 4 == 0, payload});
+    wire_.ask(frame.view(), kHost, random() % 2 == 0 ? 56000 : 56100);
+    if (round % 7 == 0) {
+      wire_.run(milliseconds{10});
+    }
+  }
+
+  livox::Sdk2Host host({});
+  wire_.join(host, kHostAddress);
+  wire_.run(seconds{5});
+  EXPECT_TRUE(host.is_sampling());
 }
 
 TEST_F(Sdk2DeviceTest, IsFoundSetAndStartedBySlamdsHostAndFoundAgainAfterEachLoss) {
