@@ -54,6 +54,10 @@ void DeviceWords::take(const HostEvent& event) {
       break;
     case HostEventKind::kStatusChanged:
       abnormal_ = concerns_in(event.value);
+      follows_none_ = livox::parse_status_code(event.value).time_sync == livox::TimeSync::kNone;
+      break;
+    case HostEventKind::kSyncChanged:
+      follows_none_ = event.value == 0;
       break;
     case HostEventKind::kHealthChanged:
       abnormal_ = event.value == 0 ? "" : "reports health code " + std::to_string(event.value);
@@ -68,13 +72,15 @@ void DeviceWords::take(const HostEvent& event) {
     case HostEventKind::kExtrinsicRead:
     case HostEventKind::kTimeSet:
     case HostEventKind::kStopped:
-    case HostEventKind::kSyncChanged:
     case HostEventKind::kTakenOver:
       break;
   }
 }
 
 std::string DeviceWords::cause(bool samples, std::string_view state_name) const {
+  if (samples && abnormal_.empty() && shared_clock_ && follows_none_) {
+    return "follows no clock, though lidar.clock is \"shared\"";
+  }
   if (samples || (busy_.empty() && !abnormal_.empty())) {
     return abnormal_;
   }

@@ -70,7 +70,8 @@ std::unique_ptr<livox::DeviceHost> make_host(const Configuration& configuration)
   return std::make_unique<livox::Sdk2Host>(sdk2_config(configuration));
 }
 
-LivoxDevice::LivoxDevice(const Configuration& configuration) : host_(make_host(configuration)) {
+LivoxDevice::LivoxDevice(const Configuration& configuration)
+    : host_(make_host(configuration)), words_(configuration.lidar.clock == configuration::SensorClock::kShared) {
   const bool avia = configuration.lidar.model == LidarModel::kLivoxAvia;
   const auto bind = [&](int port, DatagramSocket::Sharing sharing) {
     sockets_.push_back(std::make_unique<DatagramSocket>(static_cast<std::uint16_t>(port), sharing));

@@ -70,6 +70,21 @@ TEST(DeviceWords, KnowWhyADeviceOfAnotherHostIsNotToBeHeard) {
   EXPECT_NE(sut.cause(false, "searching"), "held by another host");
 }
 
+TEST(DeviceWords, SayThatADeviceFollowsNoClockWhereItShould) {
+  for (const HostEvent& none : {event(HostEventKind::kStatusChanged, 0), event(HostEventKind::kSyncChanged, 0)}) {
+    DeviceWords alone;
+    DeviceWords shared(true);
+    alone.take(none);
+    shared.take(none);
+    EXPECT_EQ(alone.cause(true, "sampling"), "");
+    EXPECT_EQ(shared.cause(true, "sampling"), "follows no clock, though lidar.clock is \"shared\"");
+
+    shared.take(event(none.kind, none.kind == HostEventKind::kSyncChanged ? 1 : 0x00006000));
+
+    EXPECT_EQ(shared.cause(true, "sampling"), "");
+  }
+}
+
 TEST(DeviceWords, KeepWhatIsWrongWithADeviceWhileItSamples) {
   DeviceWords sut;
   sut.take(event(HostEventKind::kStatusChanged, 0x40000001));
