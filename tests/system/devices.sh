@@ -119,7 +119,7 @@ space=slamd_sensor
 start_daemon "$work/sensor.log"
 sensor=$daemon
 switch_on
-for ((i = 0; i < 100; ++i)); do grep -q ' is held by another host' "$work/host.log" "$work/sensor.log" && break; sleep 0.1; done
+for ((i = 0; i < 100; ++i)); do grep -qs ' is held by another host' "$work/host.log" "$work/sensor.log" && break; sleep 0.1; done
 loser=sensor winner=$host
 grep -q ' is held by another host' "$work/host.log" && { loser=host winner=$sensor; }
 space=slamd_$loser log=$work/$loser.log
