@@ -127,4 +127,8 @@ cause_is "the computer that comes too late says why" 'livox_avia: held by anothe
 started=$(now_ms)
 kill -9 "$winner"; wait "$winner" 2>/dev/null
 back_to_tracking "the daemon that held it was killed, the other takes it" 20 "$started"
+
+refuses "a Velodyne plays no device" 2 'vlp16 has nothing to say to a host' "$bin/slamd-simulate" --live --lidar vlp16
+refuses "nor does slamd talk to one" 2 'lidar\.device\.code = "any": slamd talks to Livox devices only' \
+  "$bin/slamd" --set lidar.model=vlp16 --set lidar.device.code=any
 exit "$status"
