@@ -44,6 +44,9 @@ void DeviceWords::take(const HostEvent& event) {
     case HostEventKind::kCommandFailed:
       busy_ = (event.value == livox::kNoResult ? "does not answer: " : "refuses to ") + std::string(event.command);
       break;
+    case HostEventKind::kNoData:
+      busy_ = "samples, but nothing arrives";
+      break;
     case HostEventKind::kLost:
       busy_ = "lost, looked for again";
       abnormal_.clear();

@@ -16,6 +16,9 @@ using transport::DatagramSocket;
 
 namespace {
 
+/// Housekeeping has other things to do, whatever somebody floods the ports with.
+constexpr int kMostAtOnce = 32;
+
 livox::DeviceCode wanted(const Configuration& configuration) {
   const std::string& code = configuration.lidar.device.code;
   return code == "any" ? livox::DeviceCode{} : livox::DeviceCode::of(code);
@@ -92,9 +95,13 @@ std::vector<int> LivoxDevice::fds() const {
   return fds;
 }
 
-void LivoxDevice::run_once(Stamp now, const Say& say) {
+void LivoxDevice::run_once(Stamp now, Stamp data, const Say& say) {
   for (const auto& socket : sockets_) {
-    while (const auto datagram = socket->receive()) {
+    for (int i = 0; i < kMostAtOnce; ++i) {
+      const auto datagram = socket->receive();
+      if (!datagram) {
+        break;
+      }
       if (!host_->is_connected()) {
         look_at_interfaces();
       }
@@ -103,6 +110,9 @@ void LivoxDevice::run_once(Stamp now, const Say& say) {
     }
   }
   host_->advance(now, out_);
+  if (data_watch_.is_overdue(host_->is_sampling(), data, now)) {
+    host_->set_again(now, out_);
+  }
   hand_out(say);
 }
 

@@ -16,6 +16,25 @@ namespace slamd::devices {
 /// Makes the host's side for the device that the configuration names.
 std::unique_ptr<livox::DeviceHost> make_host(const configuration::Configuration& configuration);
 
+/// How long a device that says it samples may send nothing.
+inline constexpr Duration kNoDataAfter = std::chrono::seconds(3);
+
+/// Tells when a device that says it samples has sent nothing for too long; once in so long.
+class DataWatch {
+ public:
+  bool is_overdue(bool samples, Stamp data, Stamp now) {
+    if (!samples || data > since_) {
+      since_ = samples ? data : now;
+    }
+    const bool overdue = now - since_ > kNoDataAfter;
+    since_ = overdue ? now : since_;
+    return overdue;
+  }
+
+ private:
+  Stamp since_{};
+};
+
 /// Keeps a Livox: finds it, sets it, has it send here, and all of that again whenever it was lost. Its data go past this,
 /// to the receive thread.
 /// Threads: housekeeping; run_once() at least every 100 ms, and when an fd is readable.
@@ -29,7 +48,8 @@ class LivoxDevice {
 
   std::vector<int> fds() const;
 
-  void run_once(Stamp now, const Say& say);
+  /// data: when its newest data came.
+  void run_once(Stamp now, Stamp data, const Say& say);
 
   /// Stops the device and lets it go.
   void stop(const Say& say);
@@ -48,6 +68,7 @@ class LivoxDevice {
   std::vector<std::unique_ptr<transport::DatagramSocket>> sockets_;
   livox::HostOutput out_;
   DeviceWords words_;
+  DataWatch data_watch_;
 };
 
 }  // namespace slamd::devices

@@ -100,7 +100,8 @@ class Housekeeping {
       say(pipeline::cause_of(record), std::string(thread) + ": " + pipeline::sentence(record), now);
     });
     if (device_) {
-      device_->run_once(now, [&](const std::string& cause, const std::string& sentence) { say(cause, sentence, now); });
+      device_->run_once(now, pipeline_.receive().counts().lidar.last,
+                        [&](const std::string& cause, const std::string& sentence) { say(cause, sentence, now); });
       pipeline_.set_device(device_->address());
     }
     while (const auto command = commands_.poll(std::chrono::steady_clock::now())) {

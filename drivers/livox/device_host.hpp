@@ -27,6 +27,9 @@ class DeviceHost {
   /// Goes on after stop().
   virtual void start() = 0;
 
+  /// Sets a device again that says it samples, but whose data do not arrive.
+  virtual void set_again(Stamp now, HostOutput& out) = 0;
+
   /// The addresses that this host has now; counts when a device is next found.
   virtual void set_interfaces(const HostInterfaces& interfaces) = 0;
 

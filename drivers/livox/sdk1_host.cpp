@@ -344,6 +344,13 @@ void Sdk1Host::start() {
   }
 }
 
+void Sdk1Host::set_again(Stamp now, HostOutput& out) {
+  if (is_sampling()) {
+    conversation_.tell(HostEventKind::kNoData, out);
+    begin_step(Sdk1Step::kDeviceInfo, now, out);
+  }
+}
+
 void Sdk1Host::set_mode(Sdk1Mode mode, Stamp now, HostOutput& out) {
   mode_ = mode;
   if (is_connected() && work_) {

@@ -48,6 +48,7 @@ class Sdk1Host final : public DeviceHost {
   void advance(Stamp now, HostOutput& out) override;
   void stop(HostOutput& out) override;
   void start() override;
+  void set_again(Stamp now, HostOutput& out) override;
   void set_interfaces(const HostInterfaces& interfaces) override { conversation_.set_interfaces(interfaces); }
 
   /// Brings the device into a mode, now or once it is connected. Power saving and standby stop it.

@@ -83,7 +83,6 @@ void Sdk2Host::take_discovery(const Sdk2Frame& frame, Endpoint from, Stamp now, 
   power_ups_.reset();
   firmware_.reset();
   health_ = 0;
-  state_ = Sdk2HostState::kReading;
   conversation_.begin();
   read(now, out);
 }
@@ -103,11 +102,7 @@ void Sdk2Host::ask(Stamp now, HostOutput& out) {
 void Sdk2Host::take_answer(const Sdk2Frame& frame, Stamp now, HostOutput& out) {
   const std::optional<std::uint8_t> result = result_of(frame.payload);
   if (frame.command == Sdk2Command::kGpsTime && result) {
-    if (*result == 0) {
-      conversation_.tell(HostEventKind::kTimeSet, out);
-    } else {
-      conversation_.tell(HostEventKind::kCommandFailed, out, *result, "take the time");
-    }
+    conversation_.tell(*result == 0 ? HostEventKind::kTimeSet : HostEventKind::kCommandFailed, out, *result, "take the time");
   } else if (frame.command == Sdk2Command::kGetParameters && frame.sequence == state_asked_ && state_asked_ != 0) {
     state_asked_ = 0;
     take_values(Sdk2ValueReader::of_answer(frame.payload), now, out);
@@ -303,11 +298,10 @@ void Sdk2Host::send_step(Stamp now, HostOutput& out) {
 }
 
 void Sdk2Host::advance(Stamp now, HostOutput& out) {
-  if (state_ == Sdk2HostState::kStopped) {
-    return;
-  }
-  if (state_ == Sdk2HostState::kSearching) {
-    discover(now, out);
+  if (!is_connected()) {
+    if (state_ == Sdk2HostState::kSearching) {
+      discover(now, out);
+    }
     return;
   }
   if (conversation_.is_silent(now)) {
@@ -364,6 +358,14 @@ void Sdk2Host::stop(HostOutput& out) {
 void Sdk2Host::start() {
   if (state_ == Sdk2HostState::kStopped) {
     search();
+  }
+}
+
+void Sdk2Host::set_again(Stamp now, HostOutput& out) {
+  if (is_sampling()) {
+    conversation_.tell(HostEventKind::kNoData, out);
+    conversation_.begin();
+    read(now, out);
   }
 }
 

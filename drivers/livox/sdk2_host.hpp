@@ -47,6 +47,7 @@ class Sdk2Host final : public DeviceHost {
   void advance(Stamp now, HostOutput& out) override;
   void stop(HostOutput& out) override;
   void start() override;
+  void set_again(Stamp now, HostOutput& out) override;
   void set_interfaces(const HostInterfaces& interfaces) override { conversation_.set_interfaces(interfaces); }
 
   /// Has the device sample, or rest; now or once it is connected.

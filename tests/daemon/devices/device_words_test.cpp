@@ -36,6 +36,7 @@ TEST(DeviceWords, SayWhatKeepsADeviceFromSampling) {
       {event(HostEventKind::kInitialising, 42), "initialises, 42 %"},
       {event(HostEventKind::kCommandFailed, 1, "start sampling"), "refuses to start sampling"},
       {event(HostEventKind::kCommandFailed, livox::kNoResult, "start sampling"), "does not answer: start sampling"},
+      {event(HostEventKind::kNoData), "samples, but nothing arrives"},
       {event(HostEventKind::kLost), "lost, looked for again"},
       {event(HostEventKind::kRestarted), "has restarted"}};
   for (const auto& [news, words] : cases) {

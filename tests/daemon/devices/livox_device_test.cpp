@@ -44,7 +44,7 @@ TEST(LivoxDevice, AnswersABroadcastFromItsCommandPortAndSaysSo) {
 
   ASSERT_TRUE(device.send(broadcast.view(), kLoopback, 55000));
   ASSERT_TRUE(wait_for(sut.fds().front()));
-  sut.run_once(Stamp{std::chrono::seconds{1000}}, say);
+  sut.run_once(Stamp{std::chrono::seconds{1000}}, {}, say);
 
   ASSERT_TRUE(wait_for(device.fd()));
   const auto received = device.receive();
@@ -61,6 +61,28 @@ TEST(LivoxDevice, AnswersABroadcastFromItsCommandPortAndSaysSo) {
   EXPECT_EQ(said, std::vector<std::string>{"3JEDK380010Z391 at 127.0.0.1 was found"});
   EXPECT_EQ(sut.cause(), "handshaking");
   EXPECT_EQ(sut.address(), 0U);  // not yet this host's
+}
+
+TEST(DataWatch, IsOverdueOnceInThreeSecondsThatADeviceSamplesAndSendsNothing) {
+  DataWatch sut;
+  int overdue = 0;
+  for (int ms = 0; ms < 10'000; ms += 100) {
+    overdue += sut.is_overdue(true, Stamp{}, Stamp{std::chrono::milliseconds{ms}}) ? 1 : 0;
+  }
+
+  EXPECT_EQ(overdue, 3);
+}
+
+TEST(DataWatch, IsNotWhileDataArriveOrTheDeviceDoesNotSample) {
+  DataWatch sut;
+  for (int ms = 0; ms < 10'000; ms += 100) {
+    const Stamp now{std::chrono::milliseconds{ms}};
+    EXPECT_FALSE(sut.is_overdue(true, now - std::chrono::seconds{1}, now));
+  }
+  for (int ms = 10'000; ms < 20'000; ms += 100) {
+    EXPECT_FALSE(sut.is_overdue(false, Stamp{std::chrono::seconds{9}}, Stamp{std::chrono::milliseconds{ms}}));
+  }
+  EXPECT_FALSE(sut.is_overdue(true, Stamp{std::chrono::seconds{9}}, Stamp{std::chrono::seconds{22}}));
 }
 
 TEST(LivoxDevice, SaysWhoHasItsCommandPort) {

@@ -265,6 +265,24 @@ TEST_F(Sdk1DeviceTest, IsFoundSetAndStartedBySlamdsHostAndFoundAgainAfterEachLos
   EXPECT_TRUE(successor.is_sampling());
 }
 
+TEST_F(Sdk1DeviceTest, IsSetAgainBySlamdsHostWhenItsDataDoNotArrive) {
+  livox::Sdk1Host host({});
+  wire_.join(host, kHostAddress);
+  wire_.run(seconds{4});
+  ask(Sdk1Command::kSampling, one_byte(0));  // by another program on the host's computer
+  wire_.run(seconds{2});
+  ASSERT_TRUE(host.is_sampling());  // heartbeats do not tell
+  ASSERT_EQ(sut_.state(), Sdk1DeviceState::kHeld);
+
+  livox::HostOutput out;
+  host.set_again(wire_.now, out);
+  wire_.run(seconds{1});
+
+  EXPECT_EQ(sut_.state(), Sdk1DeviceState::kSampling);
+  ASSERT_FALSE(out.events.empty());
+  EXPECT_EQ(out.events[0].kind, livox::HostEventKind::kNoData);
+}
+
 TEST_F(Sdk1DeviceTest, TellsSlamdsSecondHostThatItIsHeld) {
   livox::Sdk1Host first({});
   livox::Sdk1Host second({});

@@ -214,6 +214,23 @@ TEST_F(Sdk2DeviceTest, IsFoundSetAndStartedBySlamdsHostAndFoundAgainAfterEachLos
   EXPECT_TRUE(successor.is_sampling());
 }
 
+TEST_F(Sdk2DeviceTest, IsSetAgainBySlamdsHostWhenItsDataDoNotArrive) {
+  livox::Sdk2Host host({});
+  wire_.join(host, kHostAddress);
+  wire_.run(seconds{4});
+  set(Sdk2Key::kPointSend, 1);  // by another program; the state does not tell
+  wire_.run(seconds{2});
+  ASSERT_TRUE(host.is_sampling());
+  ASSERT_FALSE(sut_.destination(Stream::kPoints));
+
+  livox::HostOutput out;
+  host.set_again(wire_.now, out);
+  wire_.run(seconds{2});
+
+  EXPECT_TRUE(sut_.destination(Stream::kPoints));
+  EXPECT_TRUE(host.is_sampling());
+}
+
 TEST_F(Sdk2DeviceTest, YieldsToAnotherHostWhichTheFirstIsToldOf) {
   livox::Sdk2Host host({});
   wire_.join(host, kHostAddress);
