@@ -33,6 +33,18 @@ int LidarConfiguration::data_port() const {
   return port == 0 && !is_livox(model) ? kVelodynePort : port;
 }
 
+int LidarConfiguration::listening_port() const {
+  constexpr int kAviaPort = 56001;  // of the first device
+  constexpr int kMid360Port = 56301;
+  return port != 0 || !is_livox(model) ? data_port() : (model == LidarModel::kLivoxAvia ? kAviaPort : kMid360Port);
+}
+
+int LidarConfiguration::command_port() const {
+  constexpr int kAviaPort = 55501;  // of the first device
+  constexpr int kMid360Port = 56101;
+  return device.command_port != 0 ? device.command_port : (model == LidarModel::kLivoxAvia ? kAviaPort : kMid360Port);
+}
+
 odometry::OdometryConfig resolved_odometry(const Configuration& configuration) {
   odometry::OdometryConfig result = configuration.odometry;
   result.use_imu = configuration.imu.enabled;

@@ -7,6 +7,7 @@
 
 #include "core/geometry/se3.hpp"
 #include "core/odometry/odometry_config.hpp"
+#include "daemon/configuration/device.hpp"
 
 namespace slamd::configuration {
 
@@ -50,10 +51,17 @@ struct LidarConfiguration {
   bool vertical_parallax = false;
   bool points_have_time = true;  // false: the clouds of a points folder are compensated already
   double scans_per_second = 10.0;  // of a points folder without stamps
+  DeviceConfiguration device;
 
   /// Returns the UDP destination port of the data: the model's own where none is configured; 0 for a Livox, which
   /// sends to whatever port it is told.
   int data_port() const;
+
+  /// Returns the port at which the daemon takes the data: for a Livox where none is configured, the SDK's.
+  int listening_port() const;
+
+  /// Returns the port from which the daemon talks to a Livox.
+  int command_port() const;
 };
 
 struct ImuConfiguration {

@@ -182,6 +182,17 @@ Key self_filter_boxes() {
 
 #define SLAMD_FIELD(member) [](Configuration& c) -> auto& { return c.member; }
 
+void add_device_keys(std::vector<Key>& keys) {
+  using C = DeviceCoordinates;
+  using R = DeviceReturns;
+  keys.push_back(text("lidar.device.code", "Live, Livox: the device that slamd finds, sets and starts by itself: an Avia's broadcast code, a Mid-360's serial number, or \"any\"; empty: somebody else does.", SLAMD_FIELD(lidar.device.code)));
+  keys.push_back(choice<C>("lidar.device.coordinates", {{"cartesian", C::kCartesian}, {"spherical", C::kSpherical}}, "Of the points that the device is told to send.", SLAMD_FIELD(lidar.device.coordinates)));
+  keys.push_back(choice<R>("lidar.device.returns", {{"unchanged", R::kUnchanged}, {"first", R::kFirst}, {"strongest", R::kStrongest}, {"dual", R::kDual}, {"triple", R::kTriple}}, "Echoes that an Avia is told to send.", SLAMD_FIELD(lidar.device.returns)));
+  keys.push_back(boolean("lidar.device.take_over", "Take a Mid-360 that is set to send to another host.", SLAMD_FIELD(lidar.device.take_over)));
+  keys.push_back(number("lidar.device.command_port", 0, 65535, "Of this host, for commands to the device; 0: the SDK's (55501, 56101).", SLAMD_FIELD(lidar.device.command_port)));
+  keys.push_back(number("lidar.device.state_port", 1, 65535, "Of this host, for a Mid-360's state.", SLAMD_FIELD(lidar.device.state_port)));
+}
+
 void add_sensor_keys(std::vector<Key>& keys) {
   const std::vector<std::pair<std::string, SensorClock>> clocks{{"estimated", SensorClock::kEstimated},
                                                                 {"shared", SensorClock::kShared}};
@@ -208,6 +219,7 @@ void add_sensor_keys(std::vector<Key>& keys) {
   keys.push_back(boolean("lidar.vertical_parallax", "Correct the lasers' vertical offsets (VLP-16).", SLAMD_FIELD(lidar.vertical_parallax)));
   keys.push_back(boolean("lidar.points_have_time", "false: a points folder is compensated already.", SLAMD_FIELD(lidar.points_have_time)));
   keys.push_back(number("lidar.scans_per_second", 0.5, 100.0, "Rate of a points folder without stamps.", SLAMD_FIELD(lidar.scans_per_second)));
+  add_device_keys(keys);
   keys.push_back(boolean("imu.enabled", "true as soon as the table is there.", SLAMD_FIELD(imu.enabled)));
   keys.push_back(text("imu.source", "A CSV file of the recording, or \"livox\" for the built-in sensor; live also \"udp\" or \"serial\": CSV rows from a port.", SLAMD_FIELD(imu.source)));
   keys.push_back(number("imu.port", 1, 65535, "Live, \"udp\": destination port of the rows.", SLAMD_FIELD(imu.port)));

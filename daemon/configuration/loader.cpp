@@ -211,6 +211,9 @@ void Loader::check_together(const Configuration& configuration, const std::map<s
             "must be an IPv4 address with dots, such as \"0.0.0.0\"");
   refuse_if(!lidar.source_address.empty() && !is_address(lidar.source_address), "lidar.source_address",
             quoted(lidar.source_address), "must be an IPv4 address with dots, such as \"192.168.1.201\", or empty");
+  if (const std::optional<DeviceFault> fault = device_fault(lidar)) {
+    refuse_if(true, fault->path, fault->value, fault->why);
+  }
   refuse_if(!transport::SerialPort::is_standard_rate(imu.baud), "imu.baud", std::to_string(imu.baud),
             "must be a standard rate, such as 115200, 230400, 460800 or 921600");
   if (!imu.enabled) {

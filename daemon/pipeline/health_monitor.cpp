@@ -118,7 +118,7 @@ void HealthMonitor::add_causes(const Pipeline& pipeline, Stamp now, bus::Health&
   }
 }
 
-bus::Health HealthMonitor::read(const Pipeline& pipeline, Stamp now) {
+bus::Health HealthMonitor::read(const Pipeline& pipeline, Stamp now, const std::string& device_cause) {
   bus::Health health;
   health.stamp = now;
   health.uptime = now - started_;
@@ -135,6 +135,9 @@ bus::Health HealthMonitor::read(const Pipeline& pipeline, Stamp now) {
     health.state = bus::State::kDegraded;
   }
   health.weak_axes = odometry.weak_axes;
+  if (!device_cause.empty()) {
+    health.causes.try_push_back(bus::Text<79>(std::string_view(lidar_name_ + ": " + device_cause)));
+  }
   add_causes(pipeline, now, health);
   health.stages.push_back(stage("receive", pipeline.receive().monitor()));
   health.stages.push_back(stage("preprocess", pipeline.preprocess().monitor()));

@@ -13,7 +13,8 @@ class HealthMonitor {
  public:
   HealthMonitor(const configuration::Configuration& configuration, Stamp started);
 
-  bus::Health read(const Pipeline& pipeline, Stamp now);
+  /// device_cause: what the LiDAR's device itself says is wrong; empty: nothing.
+  bus::Health read(const Pipeline& pipeline, Stamp now, const std::string& device_cause = {});
 
  private:
   struct Rate {

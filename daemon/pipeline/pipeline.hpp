@@ -49,6 +49,9 @@ class Pipeline {
   const Rings& rings() const { return rings_; }
   bus::Publisher& publisher() { return publisher_; }
 
+  /// Tells whose data are taken; see ReceiveLoop. Housekeeping only.
+  void set_device(std::uint32_t address) { receive_.set_device(address); }
+
   /// Sets where odom lies in map. Housekeeping only.
   void place(const MapPlacement& placement) { publish_.place(placement); }
 

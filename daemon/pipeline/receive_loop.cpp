@@ -19,23 +19,13 @@ using transport::UdpReceiver;
 
 namespace {
 
-constexpr std::uint16_t kVelodynePort = 2368;
-constexpr std::uint16_t kAviaPort = 56001;    // the SDK's choice for the first device
-constexpr std::uint16_t kMid360Port = 56301;  // the SDK's choice
 constexpr Duration kShowPeriod = std::chrono::milliseconds(100);
 constexpr Duration kSerialRetry = std::chrono::milliseconds(500);
 /// Silent for so long, the sensor may come back with another address.
 constexpr Duration kForgetSource = std::chrono::seconds(3);
 
 std::uint16_t data_port(const Configuration& configuration) {
-  if (configuration.lidar.port != 0) {
-    return static_cast<std::uint16_t>(configuration.lidar.port);
-  }
-  switch (configuration.lidar.model) {
-    case LidarModel::kLivoxAvia: return kAviaPort;
-    case LidarModel::kLivoxMid360: return kMid360Port;
-    default: return kVelodynePort;
-  }
+  return static_cast<std::uint16_t>(configuration.lidar.listening_port());
 }
 
 /// The port of what a LiDAR sends beside its points: position packets, or a Mid-360's own samples; 0: none.
@@ -163,12 +153,9 @@ void ReceiveLoop::take_packet(const Datagram& datagram, UdpReceiver& receiver) {
   } else {
     ++counts_.lidar.received;
     counts_.lidar.last = datagram.received;
+    counts_.lidar.source_address = datagram.source_address;
     if (!receiver.pinned()) {
-      receiver.pin(datagram.source_address);
-      if (second_) {
-        second_->pin(datagram.source_address);
-      }
-      counts_.lidar.source_address = datagram.source_address;
+      pin(datagram.source_address);
     }
     if (!block) {
       ++counts_.blocks_dropped;
@@ -179,6 +166,13 @@ void ReceiveLoop::take_packet(const Datagram& datagram, UdpReceiver& receiver) {
   }
   const Stamp now = clock_.now();
   monitor_.add(now - datagram.received, now);
+}
+
+void ReceiveLoop::pin(std::uint32_t source_address) {
+  lidar_->pin(source_address);
+  if (second_) {
+    second_->pin(source_address);
+  }
 }
 
 void ReceiveLoop::receive_imu() {
@@ -245,7 +239,9 @@ void ReceiveLoop::show(Stamp now) {
   }
   note_silence(counts_.lidar, lidar_heard_, Event::kLidarHeard, Event::kLidarSilent, now);
   note_silence(counts_.imu, imu_heard_, Event::kImuHeard, Event::kImuSilent, now);
-  if (counts_.lidar.last != Stamp{} && now - counts_.lidar.last > kForgetSource) {
+  if (const std::uint32_t device = device_address_.load(std::memory_order_relaxed); device != 0) {
+    pin(device);
+  } else if (counts_.lidar.last != Stamp{} && now - counts_.lidar.last > kForgetSource) {
     lidar_->unpin();
     if (second_) {
       second_->unpin();

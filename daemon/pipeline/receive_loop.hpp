@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <atomic>
 #include <memory>
 #include <optional>
 #include <string>
@@ -57,6 +58,10 @@ class ReceiveLoop {
   /// Waits for input, at most `longest`, and handles all that is there.
   void run_once(Duration longest);
 
+  /// From now on takes what the device at this address sends, wherever else something comes from; 0: no one is known.
+  /// Any thread; it counts within 100 ms.
+  void set_device(std::uint32_t address) { device_address_.store(address, std::memory_order_relaxed); }
+
   ReceiveCounts counts() const { return shown_.load().value_or(ReceiveCounts{}); }
   threads::EventRing& events() { return events_; }
   const threads::StageMonitor& monitor() const { return monitor_; }
@@ -74,6 +79,7 @@ class ReceiveLoop {
   void open_imu(const configuration::Configuration& configuration, const transport::HostClock& clock);
   void watch(int fd, Source source);
   void receive_lidar(transport::UdpReceiver& receiver);
+  void pin(std::uint32_t source_address);
   void take_packet(const transport::Datagram& datagram, transport::UdpReceiver& receiver);
   void receive_imu();
   void read_serial();
@@ -102,6 +108,7 @@ class ReceiveLoop {
   std::uint64_t blocks_dropped_said_ = 0;
   sensor::PointBlock scrap_;  // decoded into when no block is free: every packet is accounted for
   ReceiveCounts counts_;
+  std::atomic<std::uint32_t> device_address_{0};  // written by set_device(), read by the receive thread
   // Written by the receive thread, read by health.
   Latest<ReceiveCounts> shown_;
   threads::EventRing events_;

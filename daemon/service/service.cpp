@@ -4,8 +4,10 @@
 #include <cmath>
 #include <cstdio>
 #include <cstring>
+#include <memory>
 #include <optional>
 #include <stdexcept>
+#include <vector>
 
 #include <poll.h>
 #include <sched.h>
@@ -18,6 +20,7 @@
 
 #include "core/geometry/so3.hpp"
 #include "daemon/bus/command_listener.hpp"
+#include "daemon/devices/livox_device.hpp"
 #include "daemon/pipeline/health_monitor.hpp"
 #include "daemon/pipeline/pipeline.hpp"
 #include "daemon/service/map_saver.hpp"
@@ -68,6 +71,10 @@ void log_counts(const char* what, const stages::NamedCounts& counts) {
   spdlog::info("{}: {}", what, text);
 }
 
+std::unique_ptr<devices::LivoxDevice> device_of(const Configuration& configuration) {
+  return configuration.lidar.device.is_kept() ? std::make_unique<devices::LivoxDevice>(configuration) : nullptr;
+}
+
 /// What housekeeping does while the threads run.
 class Housekeeping {
  public:
@@ -75,17 +82,28 @@ class Housekeeping {
       : clock_(clock),
         pipeline_(pipeline),
         health_(configuration, clock.now()),
+        device_(device_of(configuration)),
         commands_(configuration.lcm.url, configuration.lcm.prefix),
         saver_(configuration.output.save_directory, pipeline),
         limit_(configuration.log.repeat_period) {}
 
-  int command_fd() const { return commands_.fd(); }
+  /// What run_once() waits for.
+  std::vector<int> fds() const {
+    std::vector<int> fds = device_ ? device_->fds() : std::vector<int>{};
+    fds.push_back(commands_.fd());
+    return fds;
+  }
 
   void run_once() {
     const Stamp now = clock_.now();
     pipeline_.read_events([&](const char* thread, const threads::EventRecord& record) {
       say(pipeline::cause_of(record), std::string(thread) + ": " + pipeline::sentence(record), now);
     });
+    if (device_) {
+      device_->run_once(now, pipeline_.receive().counts().lidar.last,
+                        [&](const std::string& cause, const std::string& sentence) { say(cause, sentence, now); });
+      pipeline_.set_device(device_->address());
+    }
     while (const auto command = commands_.poll(std::chrono::steady_clock::now())) {
       say(command->verb, "command " + command->verb, now);
       if (const auto reply = answer(*command)) {
@@ -98,12 +116,19 @@ class Housekeeping {
     tell_repeated(now, false);
     if (now - last_health_ >= kHealthPeriod) {
       last_health_ = now;
-      pipeline_.publisher().publish(health_.read(pipeline_, now));
+      pipeline_.publisher().publish(health_.read(pipeline_, now, device_ ? device_->cause() : std::string()));
     }
   }
 
   /// Writes what was held back, at the end.
   void finish() { tell_repeated(clock_.now(), true); }
+
+  /// Lets the LiDAR go.
+  void release_device() {
+    if (device_) {
+      device_->stop([&](const std::string& cause, const std::string& sentence) { say(cause, sentence, clock_.now()); });
+    }
+  }
 
  private:
   /// Writes a message, but repetitions of its cause only by their number.
@@ -180,6 +205,7 @@ class Housekeeping {
   transport::HostClock clock_;
   pipeline::Pipeline& pipeline_;
   pipeline::HealthMonitor health_;
+  std::unique_ptr<devices::LivoxDevice> device_;  // nullptr: somebody else has it send here
   bus::CommandListener commands_;
   pipeline::MapPlacement placement_;
   MapSaver saver_;
@@ -224,14 +250,18 @@ int serve(const Configuration& configuration) {
   }
   spdlog::info("listening for {}, telling {} as {}", name_of(configuration.lidar.model), configuration.lcm.url, configuration.lcm.prefix);
 
+  std::vector<pollfd> fds{{signals.fd(), POLLIN, 0}};
+  for (const int fd : housekeeping.fds()) {
+    fds.push_back({fd, POLLIN, 0});
+  }
   int signal = 0;
   while (signal == 0) {
-    pollfd fds[] = {{signals.fd(), POLLIN, 0}, {housekeeping.command_fd(), POLLIN, 0}};
-    poll(fds, 2, kHousekeepingPeriod_ms);
+    poll(fds.data(), fds.size(), kHousekeepingPeriod_ms);
     housekeeping.run_once();
     signal = signals.read();
   }
   spdlog::info("ending on {}", signal == SIGINT ? "SIGINT" : "SIGTERM");
+  housekeeping.release_device();
   pipeline.stop();
   housekeeping.run_once();
   housekeeping.finish();
@@ -247,6 +277,7 @@ int check(const Configuration& configuration) {
   const transport::HostClock clock;
   try {
     const pipeline::Pipeline pipeline(configuration, clock);
+    const std::unique_ptr<devices::LivoxDevice> device = device_of(configuration);
     std::printf("sockets    bound\nbus        %s, channels %s_*\n", configuration.lcm.url.c_str(), configuration.lcm.prefix.c_str());
     if (const std::string remark = pipeline.receive().buffer_remark(); !remark.empty()) {
       std::printf("buffers    %s\n", remark.c_str());

@@ -70,6 +70,8 @@ std::string words_for(const HostEvent& event) {
       return who + " is synchronised by " + (event.value == 1 ? "ptp" : event.value == 2 ? "gps" : "none");
     case HostEventKind::kHealthChanged:
       return event.value == 0 ? who + " is well" : who + " reports health code " + value;
+    case HostEventKind::kNoData:
+      return who + " says that it samples, but nothing arrives: a firewall, or somebody else stopped it; it is set again";
     case HostEventKind::kTakenOver:
       return who + " sent to " + dotted(event.value) + " until now; it sends to this host from now on";
   }

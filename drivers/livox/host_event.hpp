@@ -43,6 +43,7 @@ enum class HostEventKind : std::uint8_t {
   kRestarted,        // was this host's, and looks for a host again
   kSyncChanged,      // SDK2; value: 0 none, 1 PTP, 2 GPS
   kHealthChanged,    // SDK2; value: the first health code that is not 0; 0: all is well again
+  kNoData,           // says that it samples, but nothing arrives; it is set again
   kTakenOver,        // SDK2: sent to another host until now; value: its address
 };
 
@@ -69,6 +70,7 @@ struct HostCounters {
 /// What a host wants done after it was given bytes or time: datagrams to be sent, and news.
 struct HostOutput {
   struct Datagram {
+    std::uint16_t from_port = 0;  // of this host
     Endpoint to;
     FrameBytes bytes;
   };

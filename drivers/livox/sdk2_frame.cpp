@@ -184,6 +184,14 @@ void Sdk2ValueWriter::add(Sdk2Key key, std::span<const std::byte> value) {
   store_le<std::uint16_t>(raw_, count_at_, ++count_);
 }
 
+std::uint32_t first_health_code(std::span<const std::byte> codes) {
+  std::uint32_t first = 0;
+  for (std::size_t at = 0; at + 4 <= codes.size() && first == 0; at += 4) {
+    first = load_le<std::uint32_t>(codes, at);
+  }
+  return first;
+}
+
 Payload sdk2_question(std::span<const Sdk2Key> keys) {
   std::array<std::byte, 64> raw{};
   SLAMD_ASSERT(4 + 2 * keys.size() <= raw.size());

@@ -142,6 +142,9 @@ class Sdk2ValueWriter {
   std::uint16_t count_ = 0;
 };
 
+/// The first of a device's health codes that is not 0; 0: all is well.
+std::uint32_t first_health_code(std::span<const std::byte> codes);
+
 /// A question for parameters.
 Payload sdk2_question(std::span<const Sdk2Key> keys);
 

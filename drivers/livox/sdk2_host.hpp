@@ -7,25 +7,12 @@
 #include <string_view>
 
 #include "core/base/stamp.hpp"
-#include "drivers/livox/host_event.hpp"
+#include "drivers/livox/conversation.hpp"
+#include "drivers/livox/device_host.hpp"
 #include "drivers/livox/sdk2_frame.hpp"
+#include "drivers/livox/sdk2_setup.hpp"
 
 namespace slamd::livox {
-
-/// What one device is to do for this host; the ports are the SDK's for a Mid-360.
-struct Sdk2HostConfig {
-  DeviceCode serial_number;        // empty: the first that answers
-  std::uint32_t host_address = 0;  // host order
-  std::uint32_t netmask = 0xFFFFFF00;
-  std::uint16_t state_port = 56201;
-  std::uint16_t point_port = 56301;
-  std::uint16_t imu_port = 56401;
-  std::uint8_t point_type = 1;  // 1 of 32 bits, 2 of 16 bits, 3 spherical
-  std::optional<std::uint8_t> scan_pattern;
-  bool imu = true;
-  /// Whether to take a device that is set to send to another host. They come so from the factory.
-  bool take_over = true;
-};
 
 /// Where the conversation with a device stands.
 enum class Sdk2HostState : std::uint8_t {
@@ -39,39 +26,29 @@ enum class Sdk2HostState : std::uint8_t {
   kStopped,      // by stop(); start() goes on
 };
 
-/// The host's side of SDK2 (livox-sdk2.md §3) for one device, without thread, socket or clock: bytes
-/// and time go in, datagrams and events come out.
+/// The host's side of SDK2 (livox-sdk2.md §3) for one device.
 ///
 /// It looks for its device, reads what it is set to, has points and inertial samples sent here,
 /// starts it, and asks for its state once a second: SDK2 has no heartbeat, and how often the device
 /// tells its state by itself is not documented. It notices silence, restarts, and another host that
 /// has the points sent to itself, and begins again by itself.
 /// Real-time: never allocates; O(bytes); one thread.
-class Sdk2Host {
+class Sdk2Host final : public DeviceHost {
  public:
   static constexpr std::uint16_t kDiscoveryPort = 56000;  // of both sides
-  static constexpr std::uint16_t kCommandPort = 56101;    // where the host hears answers
   static constexpr Duration kDiscoverEvery = std::chrono::seconds{1};
   static constexpr Duration kAnswerWait = std::chrono::seconds{1};
   static constexpr Duration kAskEvery = std::chrono::seconds{1};
   static constexpr Duration kLostAfter = std::chrono::milliseconds{3500};
-  static constexpr Duration kNotSeenAfter = std::chrono::seconds{5};
-  static constexpr int kTries = 3;
 
-  explicit Sdk2Host(const Sdk2HostConfig& config) : config_(config) {}
+  explicit Sdk2Host(const Sdk2HostConfig& config);
 
-  /// Takes a datagram from the discovery, command or state port. Any bytes may be given; from is its
-  /// sender.
-  void receive(std::span<const std::byte> datagram, Endpoint from, Stamp now, HostOutput& out);
-
-  /// Lets time pass: call it at least every 100 ms.
-  void advance(Stamp now, HostOutput& out);
-
-  /// Puts the device to rest and lets it go.
-  void stop(HostOutput& out);
-
-  /// Goes on after stop().
-  void start();
+  void receive(std::span<const std::byte> datagram, Endpoint from, Stamp now, HostOutput& out) override;
+  void advance(Stamp now, HostOutput& out) override;
+  void stop(HostOutput& out) override;
+  void start() override;
+  void set_again(Stamp now, HostOutput& out) override;
+  void set_interfaces(const HostInterfaces& interfaces) override { conversation_.set_interfaces(interfaces); }
 
   /// Has the device sample, or rest; now or once it is connected.
   void set_sampling(bool sampling, Stamp now, HostOutput& out);
@@ -81,17 +58,16 @@ class Sdk2Host {
   bool set_gps_time(std::uint64_t utc_ns, HostOutput& out);
 
   Sdk2HostState state() const { return state_; }
-  Endpoint device() const { return device_; }
-  const DeviceCode& serial_number() const { return serial_number_; }
+  std::string_view state_name() const override;
+  bool is_connected() const override;
+  bool is_sampling() const override { return state_ == Sdk2HostState::kSampling; }
+  Endpoint device() const override { return conversation_.device(); }
+  const DeviceCode& serial_number() const { return conversation_.code(); }
   const std::optional<Sdk1Extrinsic>& attitude() const { return attitude_; }
   std::optional<double> temperature_c() const { return temperature_c_; }
-  const HostCounters& counters() const { return counters_; }
+  const HostCounters& counters() const { return conversation_.counters(); }
 
  private:
-  /// What is set in a device, in this order.
-  enum class Step : std::uint8_t { kDestinations, kPointType, kScanPattern, kImu, kPointSend, kWorkMode, kDone };
-
-  bool connected() const;
   void take_frame(const Sdk2Frame& frame, Endpoint from, Stamp now, HostOutput& out);
   void take_discovery(const Sdk2Frame& frame, Endpoint from, Stamp now, HostOutput& out);
   void take_answer(const Sdk2Frame& frame, Stamp now, HostOutput& out);
@@ -105,30 +81,22 @@ class Sdk2Host {
   void discover(Stamp now, HostOutput& out);
   void read(Stamp now, HostOutput& out);
   void ask(Stamp now, HostOutput& out);
-  void begin_step(Step step, Stamp now, HostOutput& out);
+  void begin_step(Sdk2Step step, Stamp now, HostOutput& out);
   void send_step(Stamp now, HostOutput& out);
   void settle(Stamp now, HostOutput& out);
   void repeat_unanswered(Stamp now, HostOutput& out);
   void search();
   std::uint8_t work_mode() const { return sampling_ ? 1 : 2; }
-  std::uint32_t send(Sdk2Command command, std::span<const std::byte> payload, Endpoint to, HostOutput& out);
-  void tell(HostEventKind kind, HostOutput& out, std::uint32_t value = 0, const char* command = "") const;
+  std::uint32_t send(Sdk2Command command, std::span<const std::byte> payload, HostOutput& out);
 
   Sdk2HostConfig config_;
+  Conversation conversation_;
   Sdk2HostState state_ = Sdk2HostState::kSearching;
   bool sampling_ = true;
-  Endpoint device_;
-  DeviceCode serial_number_;
-  Step step_ = Step::kDone;
-  std::uint32_t last_sequence_ = 0;
-  std::uint32_t asked_ = 0;  // number of the command whose answer is waited for; 0: of none
+  Sdk2Step step_ = Sdk2Step::kDone;
   std::uint32_t state_asked_ = 0;
-  int tries_ = 0;
-  Stamp ask_again_{};
   Stamp next_ask_{};
   Stamp next_discovery_{};
-  Stamp heard_{};
-  std::optional<Stamp> searching_since_;
   std::optional<std::uint8_t> work_;
   std::optional<std::uint8_t> sync_;
   std::optional<std::uint32_t> power_ups_;
@@ -137,9 +105,6 @@ class Sdk2Host {
   std::uint32_t other_host_ = 0;  // where the points went when the device was found; 0: here, or nowhere
   std::optional<Sdk1Extrinsic> attitude_;
   std::optional<double> temperature_c_;
-  std::optional<DeviceCode> told_wrong_subnet_;
-  bool told_not_seen_ = false;
-  HostCounters counters_;
 };
 
 /// Names a state as reports and health spell it.

@@ -32,7 +32,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
   const std::span<const std::byte> input = std::as_bytes(std::span(bytes, size));
   check_codec(input);
   Sdk1HostConfig config;
-  config.host_address = 0xC0A80132;
+  config.interfaces.push_back({0xC0A80132, 0xFFFFFF00});
   Sdk1Host host(config);
   HostOutput out;
   Stamp now{std::chrono::seconds{1000}};

@@ -34,7 +34,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
   const std::span<const std::byte> input = std::as_bytes(std::span(bytes, size));
   check_codec(input);
   Sdk2HostConfig config;
-  config.host_address = 0xC0A80105;
+  config.interfaces.push_back({0xC0A80105, 0xFFFFFF00});
   config.take_over = size % 2 == 0;
   Sdk2Host host(config);
   HostOutput out;

@@ -1,6 +1,15 @@
 # Two computers and a cable, as network namespaces: the robot's (slamd_host, 10.77.0.1) and the sensor's (slamd_sensor,
 # 10.77.0.2). Sourced after verdicts.bash; ends the script with a visible skip where that is not permitted. Processes
 # whose ids are in pids end with the script.
+# The names of network namespaces are mounts: with mounts of their own, two runs at a time do not meet.
+if [ -z "${SLAMD_OWN_MOUNTS:-}" ] && unshare --mount true 2>/dev/null; then
+  rm -rf "$scratch"
+  SLAMD_OWN_MOUNTS=1 exec unshare --mount --propagation private "$0" "$@"
+fi
+if [ -n "${SLAMD_OWN_MOUNTS:-}" ]; then
+  mkdir -p /run/netns
+  mount -t tmpfs none /run/netns
+fi
 if ! ip netns add slamd_probe 2>/dev/null; then
   skip "network namespaces need root"
   exit 0

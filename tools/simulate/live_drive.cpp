@@ -96,8 +96,13 @@ class LiveRecording {
 class Sender {
  public:
   Sender(replay::NetworkPlayer& player, bus::Connection& connection, const bus::Channels& channels,
-         FaultInjector* injector, LiveRecording* recording)
-      : player_(player), connection_(connection), channels_(channels), injector_(injector), recording_(recording) {}
+         FaultInjector* injector, LiveRecording* recording, PacketOutlet* outlet)
+      : player_(player),
+        connection_(connection),
+        channels_(channels),
+        injector_(injector),
+        recording_(recording),
+        outlet_(outlet) {}
 
   void send(const Moment& moment) {
     if (recording_ != nullptr) {
@@ -133,7 +138,11 @@ class Sender {
     if (recording_ != nullptr) {
       recording_->write(packet);
     }
-    player_.send(packet);
+    if (outlet_ == nullptr) {
+      player_.send(packet);
+    } else if (player_.wait_until(packet.received)) {
+      outlet_->send(packet.payload);
+    }
   }
 
   void send(const SentPacket& sent) {
@@ -173,6 +182,7 @@ class Sender {
   const bus::Channels& channels_;
   FaultInjector* injector_;
   LiveRecording* recording_;
+  PacketOutlet* outlet_;
 };
 
 std::string collision_text(const Moment& moment) {
@@ -217,7 +227,7 @@ Moment LiveDrive::next(const Velocity& command) {
 
 LiveReport drive_live(const Drive& drive, const LiveOptions& options, replay::SendClock& clock,
                       const std::function<bool()>& stopped, const std::function<void(double share)>& progress,
-                      const std::function<void(const std::string&)>& say) {
+                      const std::function<void(const std::string&)>& say, PacketOutlet* outlet) {
   const bus::Channels channels(options.lcm_prefix);
   bus::Connection connection(options.lcm_url);
   CommandInbox inbox(connection, channels, clock);
@@ -233,7 +243,7 @@ LiveReport drive_live(const Drive& drive, const LiveOptions& options, replay::Se
   if (!options.directory.empty()) {
     recording.emplace(drive, options.directory);
   }
-  Sender sender(player, connection, channels, faulty, recording ? &*recording : nullptr);
+  Sender sender(player, connection, channels, faulty, recording ? &*recording : nullptr, outlet);
 
   // One moment is simulated while the one before is sent.
   const auto simulate_next = [&] { return live.next(inbox.newest()); };

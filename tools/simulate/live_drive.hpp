@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -54,6 +55,15 @@ class LiveDrive {
   std::uint64_t truths_ = 0;
 };
 
+/// A LiDAR that knows by itself where its packets go.
+class PacketOutlet {
+ public:
+  virtual ~PacketOutlet() = default;
+
+  /// Sends a packet whose time has come, or keeps it.
+  virtual void send(std::span<const std::byte> payload) = 0;
+};
+
 /// Where a live drive goes, and who commands it.
 struct LiveOptions {
   replay::ToNetworkOptions target;
@@ -74,11 +84,12 @@ struct LiveReport {
 
 /// Drives a vehicle by velocity commands from LCM in real time: its sensors' packets and rows go to the network as they
 /// would from a vehicle, the truth to LCM, and all of it into a recording if one is asked for. It ends after the
-/// drive's duration, or when the user has enough. `say` hears of collisions.
+/// drive's duration, or when the user has enough. `say` hears of collisions. With an outlet the LiDAR's packets go there,
+/// each at its time, in place of the target.
 /// Errors: BusError; RecordingError; std::runtime_error for what the network refuses.
 LiveReport drive_live(const Drive& drive, const LiveOptions& options, replay::SendClock& clock,
                       const std::function<bool()>& stopped, const std::function<void(double share)>& progress,
-                      const std::function<void(const std::string&)>& say);
+                      const std::function<void(const std::string&)>& say, PacketOutlet* outlet = nullptr);
 
 /// Writes a report as one JSON object, or as a few lines for a terminal.
 std::string json_of(const LiveReport& report);

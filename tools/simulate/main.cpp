@@ -1,6 +1,8 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <functional>
+#include <optional>
 #include <string>
 
 #include <CLI/CLI.hpp>
@@ -9,6 +11,7 @@
 #include "tools/cli/interrupts.hpp"
 #include "tools/replay/session.hpp"
 #include "tools/simulate/fault_options.hpp"
+#include "tools/simulate/live_device.hpp"
 #include "tools/simulate/options.hpp"
 #include "tools/simulate/preview.hpp"
 #include "tools/simulate/simulate.hpp"
@@ -72,8 +75,18 @@ int run_drive(const simulate::Drive& drive, const simulate::Options& options) {
   simulate::LiveReport report;
   {
     cli::Progress progress("driving");
-    report = simulate::drive_live(drive, live, clock, cli::is_interrupted, [&](double share) { progress.show(share); },
-                                  [&](const std::string& text) { progress.say("slamd-simulate: " + text); });
+    const std::function<void(const std::string&)> say = [&](const std::string& text) {
+      progress.say("slamd-simulate: " + text);
+    };
+    std::optional<simulate::LiveDevice> device;
+    if (options.live) {
+      device.emplace(drive, options.device_code, clock, say);
+    }
+    report = simulate::drive_live(drive, live, clock, cli::is_interrupted, [&](double share) { progress.show(share); }, say,
+                                  device ? &*device : nullptr);
+    if (device) {
+      say(device->summary());
+    }
   }
   std::fputs((options.json ? json_of(report) : summary_of(report)).c_str(), stdout);
   return 0;

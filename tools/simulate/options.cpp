@@ -46,6 +46,24 @@ std::vector<Eigen::Vector2d> read_waypoints(const std::string& file) {
   return corners;
 }
 
+/// Errors: UsageError for live options that do not go together.
+void check_live(const Options& options, const Drive& drive) {
+  const bool driven = options.live || !options.drive_to.empty();
+  const bool asks = options.json || !(options.imu_to.empty() && options.lcm_url.empty() && options.lcm_prefix.empty());
+  if (!driven && asks) {
+    throw cli::UsageError("--imu-to, --url, --prefix and --json are of use with --drive or --live");
+  }
+  if (!options.live && !options.device_code.empty()) {
+    throw cli::UsageError("--device-code is of use with --live");
+  }
+  if (options.live && drive.lidar != LidarKind::kLivoxAvia && drive.lidar != LidarKind::kLivoxMid360) {
+    throw cli::UsageError("--live: " + options.lidar + " has nothing to say to a host; --drive sends its packets");
+  }
+  if (options.device_code.size() > 16) {
+    throw cli::UsageError("--device-code " + options.device_code + ": must be up to 16 characters");
+  }
+}
+
 }  // namespace
 
 void declare(CLI::App& app, Options& options) {
@@ -140,30 +158,32 @@ void declare(CLI::App& app, Options& options) {
       ->group(kSensors);
   app.add_flag("--perfect-imu", options.perfect_imu, "Inertial sensors without any error")->group(kSensors);
   app.add_flag("--no-sky", options.covered, "GNSS never has a fix")->group(kSensors);
-  CLI::Option* const live =
-      app.add_option("--drive", options.drive_to,
+  app.add_option("--drive", options.drive_to,
                      "HOST[:DATA_PORT[:POSITION_PORT]]: drive a skid-steered vehicle by velocity commands from LCM in real "
                      "time, and send its packets there; --out is then optional")
           ->excludes("--vehicle", "--waypoints", "--replay", "--preview")
           ->group(kLive);
-  app.add_option("--imu-to", options.imu_to, "Where inertial samples go, udp:HOST:PORT or pty:LINKPATH")
-      ->needs(live)
+  app.add_flag("--live", options.live,
+               "As --drive, but a Livox is a device on the network: a host finds, sets and starts it, and gets its packets")
+      ->excludes("--drive", "--vehicle", "--waypoints", "--replay", "--preview")
       ->group(kLive);
+  app.add_option("--device-code", options.device_code, "With --live: its broadcast code or serial number")->group(kLive);
+  app.add_option("--imu-to", options.imu_to, "Where inertial samples go, udp:HOST:PORT or pty:LINKPATH")->group(kLive);
   app.add_option("--url", options.lcm_url, "LCM's, for commands and truth")
       ->default_str(std::string(bus::kDefaultUrl))
-      ->needs(live)
       ->group(kLive);
   app.add_option("--prefix", options.lcm_prefix, "Of the channels")
       ->default_str(std::string(bus::kDefaultPrefix))
-      ->needs(live)
       ->group(kLive);
-  app.add_flag("--json", options.json, "Print the counts as JSON")->needs(live)->group(kLive);
+  app.add_flag("--json", options.json, "Print the counts as JSON")->group(kLive);
   declare(app, options.faults, "Faults of what the sensors send, told in faults.json");
 }
 
 LiveOptions live_options_of(const Options& options) {
   LiveOptions live;
-  replay::parse_destination("--drive", options.drive_to, live.target);
+  if (!options.live) {
+    replay::parse_destination("--drive", options.drive_to, live.target);
+  }
   if (!options.imu_to.empty()) {
     replay::parse_imu_destination(options.imu_to, live.target);
   }
@@ -214,7 +234,8 @@ Drive drive_of(const Options& options) {
   // There is no sky over these.
   drive.gnss_errors.covered =
       options.covered || drive.world == "indoor" || drive.world == "tunnel" || drive.world == "warehouse";
-  drive.driven = !options.drive_to.empty();
+  check_live(options, drive);
+  drive.driven = options.live || !options.drive_to.empty();
   if (drive.driven) {
     drive.vehicle = VehicleKind::kSkidSteer;
   }

@@ -33,6 +33,8 @@ struct Options {
   bool covered = false;
   FaultOptions faults;
   std::string drive_to;  // --drive
+  bool live = false;
+  std::string device_code;
   std::string imu_to;
   std::string lcm_url;
   std::string lcm_prefix;

@@ -1,5 +1,6 @@
 #include "daemon/pipeline/pipeline.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <cinttypes>
 #include <cstring>
@@ -162,6 +163,7 @@ TEST_F(Live, SaysWhatIsSilentAndGoesOnWhenItReturns) {
   };
   sut.start();
   EXPECT_EQ(first_cause(), "vlp16: nothing received yet");
+  EXPECT_EQ(health.read(sut, clock.now(), "held by another host").causes[0].view(), "vlp16: held by another host");
 
   const std::size_t half = events_.size() * 7 / 10;
   play(0, half);
@@ -227,6 +229,34 @@ TEST_F(Live, SurvivesGarbageOnAllPorts) {
   EXPECT_TRUE(comes_true([&] { return sut.receive().counts().lidar.dropped + sut.receive().counts().lidar.kernel_lost >= sent; }));
   EXPECT_EQ(sut.receive().counts().lidar.received, 0U);
   EXPECT_EQ(sut.odometry().counts().scans, 0U);
+}
+
+TEST_F(Live, TakesOnlyWhatTheDeviceSendsThatItIsToldOf) {
+  const transport::HostClock clock;
+  const Configuration configured = configuration();
+  Rings rings(resolved_odometry(configured), 16, 16);
+  ReceiveLoop sut(configured, clock, rings);
+  const Sensor sensor;
+  const auto packet =
+      std::find_if(events_.begin(), events_.end(), [](const Event& event) { return event.port == kLidarPort; });
+  const auto hear = [&] {  // what the device is counts after the loop has next shown its counts
+    std::this_thread::sleep_for(std::chrono::milliseconds(110));
+    sut.run_once(Duration{});
+    sensor.send(packet->payload, kLidarPort);
+    std::this_thread::sleep_for(std::chrono::milliseconds(110));
+    sut.run_once(std::chrono::milliseconds(50));
+    return sut.counts().lidar;
+  };
+
+  sut.set_device(0x7F000002);
+  const SensorCounts others = hear();
+  sut.set_device(0x7F000001);
+  const SensorCounts its = hear();
+
+  EXPECT_EQ(others.received, 0U);
+  EXPECT_EQ(others.dropped, 1U);
+  EXPECT_EQ(its.received, 1U);
+  EXPECT_EQ(its.source_address, 0x7F000001U);
 }
 
 TEST_F(Live, NamesWhoHasThePort) {

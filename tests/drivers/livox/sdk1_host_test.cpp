@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <deque>
 #include <map>
 #include <optional>
 #include <random>
@@ -11,6 +10,7 @@
 #include <vector>
 
 #include "core/base/bytes.hpp"
+#include "host_wire.hpp"
 #include "tests/hex/hex.hpp"
 #include "tests/support/allocation_guard.hpp"
 
@@ -120,75 +120,28 @@ class ScriptedAvia {
 
 Sdk1HostConfig config() {
   Sdk1HostConfig config;
-  config.host_address = 0xC0A80132;
+  config.interfaces.push_back({0x0A000001, 0xFF000000});
+  config.interfaces.push_back({0xC0A80132, 0xFFFFFF00});
   return config;
 }
 
-/// The wire between host and device, and the time.
-class Sdk1HostTest : public testing::Test {
+/// The device broadcasts each second while it is not bound.
+class Sdk1HostTest : public HostWire<Sdk1Host, ScriptedAvia> {
  protected:
-  /// Lets the time pass in steps of 50 ms; the device broadcasts each second while it is not bound.
-  void run(Duration duration) {
-    const Stamp end = now_ + duration;
-    while (now_ < end) {
-      now_ += milliseconds{50};
-      if (avia_.on && !avia_.bound && now_ >= next_broadcast_) {
-        next_broadcast_ = now_ + seconds{1};
-        give(avia_.broadcast(), kAvia);
-      }
-      sut_.advance(now_, out_);
-      deliver();
+  Sdk1HostTest() : HostWire(Sdk1Host(config()), kAvia) {}
+
+  void device_advances() override {
+    if (device_.on && !device_.bound && now_ >= next_broadcast_) {
+      next_broadcast_ = now_ + seconds{1};
+      give(device_.broadcast(), kAvia);
     }
   }
 
-  void give(const Bytes& bytes, Endpoint from) {
-    sut_.receive(bytes, from, now_, out_);
-    deliver();
-  }
-
-  void deliver() {
-    while (true) {
-      for (const HostEvent& event : out_.events) {
-        events_.push_back(event);
-      }
-      std::vector<Bytes> sent;
-      for (const auto& datagram : out_.datagrams) {
-        EXPECT_EQ(datagram.to, kAvia);
-        sent.emplace_back(datagram.bytes.begin(), datagram.bytes.end());
-      }
-      out_.clear();
-      if (sent.empty()) {
-        return;
-      }
-      for (const Bytes& bytes : sent) {
-        if (const auto answer = avia_.answer(bytes)) {
-          sut_.receive(*answer, kAvia, now_, out_);
-        }
-      }
-    }
-  }
-
-  std::size_t told(HostEventKind kind) const {
-    return static_cast<std::size_t>(
-        std::count_if(events_.begin(), events_.end(), [&](const HostEvent& event) { return event.kind == kind; }));
-  }
-
-  HostEvent last(HostEventKind kind) const {
-    const auto found = std::find_if(events_.rbegin(), events_.rend(), [&](const HostEvent& e) { return e.kind == kind; });
-    EXPECT_NE(found, events_.rend());
-    return found == events_.rend() ? HostEvent{} : *found;
-  }
-
-  Sdk1Host sut_{config()};
-  ScriptedAvia avia_;
-  HostOutput out_;
-  std::vector<HostEvent> events_;
-  Stamp now_{seconds{1000}};
   Stamp next_broadcast_{};
 };
 
 TEST_F(Sdk1HostTest, WaitsForABroadcastAndSaysAfterFiveSecondsThatThereIsNone) {
-  avia_.on = false;
+  device_.on = false;
 
   run(milliseconds{4900});
   EXPECT_TRUE(events_.empty());
@@ -198,21 +151,21 @@ TEST_F(Sdk1HostTest, WaitsForABroadcastAndSaysAfterFiveSecondsThatThereIsNone) {
   ASSERT_EQ(told(HostEventKind::kNotSeen), 1U);
   EXPECT_EQ(words_for(events_[0]),
             "no device is not to be heard looking for a host: off, of another subnet, or held by another host");
-  EXPECT_TRUE(avia_.heard.empty());
+  EXPECT_TRUE(device_.heard.empty());
 }
 
 TEST_F(Sdk1HostTest, AnswersABroadcastWithAHandshakeThatNamesItsPorts) {
   run(milliseconds{50});
 
-  ASSERT_TRUE(avia_.host);
-  EXPECT_EQ(avia_.host->host_address, 0xC0A80132U);
-  EXPECT_EQ(avia_.host->command_port, 55501);
-  EXPECT_EQ(avia_.host->data_port, 56001);
-  EXPECT_EQ(avia_.host->imu_port, 56001);
+  ASSERT_TRUE(device_.host);
+  EXPECT_EQ(device_.host->host_address, 0xC0A80132U);
+  EXPECT_EQ(device_.host->command_port, 55501);
+  EXPECT_EQ(device_.host->data_port, 56001);
+  EXPECT_EQ(device_.host->imu_port, 56001);
   EXPECT_EQ(sut_.code().view(), kCode);
   EXPECT_EQ(told(HostEventKind::kFound), 1U);
   EXPECT_EQ(told(HostEventKind::kConnected), 1U);
-  EXPECT_EQ(words_for(last(HostEventKind::kConnected)), "3JEDK380010Z391 at 192.168.1.112 is connected");
+  EXPECT_EQ(last_words(HostEventKind::kConnected), "3JEDK380010Z391 at 192.168.1.112 is connected");
 }
 
 TEST_F(Sdk1HostTest, ConfiguresTheDeviceInTheDriversOrderAndStartsIt) {
@@ -223,14 +176,14 @@ TEST_F(Sdk1HostTest, ConfiguresTheDeviceInTheDriversOrderAndStartsIt) {
   run(seconds{1});
 
   EXPECT_EQ(sut_.state(), Sdk1HostState::kSampling);
-  EXPECT_TRUE(avia_.sampling);
-  EXPECT_EQ(avia_.heard, (std::vector{Sdk1Command::kHandshake, Sdk1Command::kHeartbeat, Sdk1Command::kDeviceInfo,
+  EXPECT_TRUE(device_.sampling);
+  EXPECT_EQ(device_.heard, (std::vector{Sdk1Command::kHandshake, Sdk1Command::kHeartbeat, Sdk1Command::kDeviceInfo,
                                       Sdk1Command::kCoordinate, Sdk1Command::kSetReturnMode, Sdk1Command::kSetImuRate,
                                       Sdk1Command::kGetExtrinsic, Sdk1Command::kSampling, Sdk1Command::kHeartbeat}));
-  EXPECT_EQ(avia_.last_payload(Sdk1Command::kSetReturnMode), Bytes{std::byte{2}});
-  EXPECT_EQ(avia_.last_payload(Sdk1Command::kSetImuRate), Bytes{std::byte{1}});
-  EXPECT_EQ(avia_.last_payload(Sdk1Command::kCoordinate), Bytes{std::byte{0}});
-  EXPECT_EQ(words_for(last(HostEventKind::kIdentified)), "3JEDK380010Z391 has firmware 11.6.0.0");
+  EXPECT_EQ(device_.last_payload(Sdk1Command::kSetReturnMode), Bytes{std::byte{2}});
+  EXPECT_EQ(device_.last_payload(Sdk1Command::kSetImuRate), Bytes{std::byte{1}});
+  EXPECT_EQ(device_.last_payload(Sdk1Command::kCoordinate), Bytes{std::byte{0}});
+  EXPECT_EQ(last_words(HostEventKind::kIdentified), "3JEDK380010Z391 has firmware 11.6.0.0");
   ASSERT_TRUE(sut_.extrinsic());
   EXPECT_EQ(sut_.extrinsic()->xyz_mm, (std::array<std::int32_t, 3>{100, -200, 300}));
 }
@@ -238,33 +191,33 @@ TEST_F(Sdk1HostTest, ConfiguresTheDeviceInTheDriversOrderAndStartsIt) {
 TEST_F(Sdk1HostTest, SendsAHeartbeatAtLeastEverySecond) {
   run(seconds{20});
 
-  EXPECT_GE(avia_.times(Sdk1Command::kHeartbeat), 23U);
-  EXPECT_LE(avia_.times(Sdk1Command::kHeartbeat), 26U);
+  EXPECT_GE(device_.times(Sdk1Command::kHeartbeat), 23U);
+  EXPECT_LE(device_.times(Sdk1Command::kHeartbeat), 26U);
   EXPECT_EQ(told(HostEventKind::kSampling), 1U);
   EXPECT_EQ(told(HostEventKind::kLost), 0U);
 }
 
 TEST_F(Sdk1HostTest, WaitsUntilTheDeviceHasInitialised) {
-  avia_.state = Sdk1WorkState::kInitialising;
-  avia_.progress = 42;
+  device_.state = Sdk1WorkState::kInitialising;
+  device_.progress = 42;
   run(seconds{2});
   EXPECT_EQ(sut_.state(), Sdk1HostState::kWaiting);
-  EXPECT_EQ(words_for(last(HostEventKind::kInitialising)), "3JEDK380010Z391 initialises: 42 %");
+  EXPECT_EQ(last_words(HostEventKind::kInitialising), "3JEDK380010Z391 initialises: 42 %");
   EXPECT_EQ(told(HostEventKind::kInitialising), 1U);
-  EXPECT_EQ(avia_.times(Sdk1Command::kCoordinate), 0U);
+  EXPECT_EQ(device_.times(Sdk1Command::kCoordinate), 0U);
 
-  avia_.state = Sdk1WorkState::kNormal;
+  device_.state = Sdk1WorkState::kNormal;
   run(seconds{1});
 
   EXPECT_EQ(sut_.state(), Sdk1HostState::kSampling);
 }
 
 TEST_F(Sdk1HostTest, WakesADeviceThatRests) {
-  avia_.state = Sdk1WorkState::kPowerSaving;
+  device_.state = Sdk1WorkState::kPowerSaving;
 
   run(seconds{1});
 
-  EXPECT_EQ(avia_.last_payload(Sdk1Command::kSetMode), Bytes{std::byte{1}});
+  EXPECT_EQ(device_.last_payload(Sdk1Command::kSetMode), Bytes{std::byte{1}});
   EXPECT_EQ(sut_.state(), Sdk1HostState::kSampling);
 }
 
@@ -274,105 +227,105 @@ TEST_F(Sdk1HostTest, PutsTheDeviceToRestAndWakesItWhenTold) {
   sut_.set_mode(Sdk1Mode::kStandby, now_, out_);
   deliver();
   EXPECT_EQ(sut_.state(), Sdk1HostState::kResting);
-  EXPECT_EQ(avia_.state, Sdk1WorkState::kStandby);
+  EXPECT_EQ(device_.state, Sdk1WorkState::kStandby);
   sut_.set_mode(Sdk1Mode::kNormal, now_, out_);
   deliver();
 
   EXPECT_EQ(sut_.state(), Sdk1HostState::kSampling);
-  EXPECT_TRUE(avia_.sampling);
+  EXPECT_TRUE(device_.sampling);
 }
 
 TEST_F(Sdk1HostTest, SaysWhichModeChangeIsRefused) {
   run(seconds{1});
-  avia_.refusals[Sdk1Command::kSetMode] = 1;
+  device_.refusals[Sdk1Command::kSetMode] = 1;
 
   sut_.set_mode(Sdk1Mode::kStandby, now_, out_);
   run(milliseconds{100});
 
-  EXPECT_EQ(words_for(last(HostEventKind::kCommandFailed)), "3JEDK380010Z391 refuses with code 1: change the mode");
-  EXPECT_EQ(avia_.times(Sdk1Command::kSetMode), 1U);  // the next try comes with a later heartbeat
+  EXPECT_EQ(last_words(HostEventKind::kCommandFailed), "3JEDK380010Z391 refuses with code 1: change the mode");
+  EXPECT_EQ(device_.times(Sdk1Command::kSetMode), 1U);  // the next try comes with a later heartbeat
 }
 
 TEST_F(Sdk1HostTest, ConfiguresADeviceAgainThatHasGoneThroughAnError) {
   run(seconds{1});
-  avia_.state = Sdk1WorkState::kError;
+  device_.state = Sdk1WorkState::kError;
   run(seconds{1});
   EXPECT_EQ(sut_.state(), Sdk1HostState::kWaiting);
 
-  avia_.state = Sdk1WorkState::kNormal;
+  device_.state = Sdk1WorkState::kNormal;
   run(seconds{1});
 
   EXPECT_EQ(sut_.state(), Sdk1HostState::kSampling);
-  EXPECT_EQ(avia_.times(Sdk1Command::kSampling), 2U);
+  EXPECT_EQ(device_.times(Sdk1Command::kSampling), 2U);
 }
 
 TEST_F(Sdk1HostTest, AsksAgainForAnswersThatGetLost) {
-  avia_.lose_answers = 2;  // of the handshake
+  device_.lose_answers = 2;  // of the handshake
   run(milliseconds{1100});
-  EXPECT_EQ(avia_.times(Sdk1Command::kHandshake), 3U);
+  EXPECT_EQ(device_.times(Sdk1Command::kHandshake), 3U);
   EXPECT_EQ(sut_.state(), Sdk1HostState::kSampling);
   EXPECT_EQ(told(HostEventKind::kNoAnswer), 0U);
 }
 
 TEST_F(Sdk1HostTest, SaysThatADeviceDoesNotAnswerAndTriesAtItsNextBroadcast) {
-  avia_.silent_to_commands = true;
+  device_.silent_to_commands = true;
   run(milliseconds{1600});
   EXPECT_EQ(told(HostEventKind::kNoAnswer), 1U);
-  EXPECT_EQ(avia_.times(Sdk1Command::kHandshake), 3U);
+  EXPECT_EQ(device_.times(Sdk1Command::kHandshake), 3U);
 
-  avia_.silent_to_commands = false;
+  device_.silent_to_commands = false;
   run(seconds{1});
 
   EXPECT_EQ(sut_.state(), Sdk1HostState::kSampling);
 }
 
 TEST_F(Sdk1HostTest, GoesOnWithoutAStepThatIsRefusedOrNotAnswered) {
-  avia_.refusals[Sdk1Command::kSetImuRate] = 1;
+  device_.refusals[Sdk1Command::kSetImuRate] = 1;
   run(seconds{1});
   EXPECT_EQ(sut_.state(), Sdk1HostState::kSampling);
-  EXPECT_EQ(words_for(last(HostEventKind::kCommandFailed)),
+  EXPECT_EQ(last_words(HostEventKind::kCommandFailed),
             "3JEDK380010Z391 refuses with code 1: set the inertial sensor's rate");
 }
 
 TEST_F(Sdk1HostTest, SaysWhichStepIsNotAnsweredAndGoesOn) {
   run(milliseconds{50});
-  avia_.bound = false;
-  avia_.on = true;
+  device_.bound = false;
+  device_.on = true;
   sut_ = Sdk1Host(config());
   events_.clear();
-  avia_.state = Sdk1WorkState::kInitialising;
+  device_.state = Sdk1WorkState::kInitialising;
   run(seconds{1});
-  avia_.silent_to_commands = true;
-  avia_.state = Sdk1WorkState::kNormal;
+  device_.silent_to_commands = true;
+  device_.state = Sdk1WorkState::kNormal;
 
   run(seconds{3});
 
   EXPECT_EQ(sut_.state(), Sdk1HostState::kConfiguring);
-  EXPECT_EQ(words_for(last(HostEventKind::kCommandFailed)), "3JEDK380010Z391 does not answer: tell the firmware");
-  EXPECT_EQ(avia_.times(Sdk1Command::kDeviceInfo), 1U + 3U);
+  EXPECT_EQ(last_words(HostEventKind::kCommandFailed), "3JEDK380010Z391 does not answer: tell the firmware");
+  EXPECT_EQ(device_.times(Sdk1Command::kDeviceInfo), 1U + 3U);
 }
 
 TEST_F(Sdk1HostTest, TriesToStartUntilTheDeviceDoes) {
-  avia_.refusals[Sdk1Command::kSampling] = 1;
+  device_.refusals[Sdk1Command::kSampling] = 1;
   run(seconds{2});
   EXPECT_EQ(sut_.state(), Sdk1HostState::kConfiguring);
 
-  avia_.refusals.clear();
+  device_.refusals.clear();
   run(seconds{1});
 
   EXPECT_EQ(sut_.state(), Sdk1HostState::kSampling);
 }
 
 TEST_F(Sdk1HostTest, SaysInWordsThatAnotherHostHoldsTheDeviceAndTakesItOnceItIsFree) {
-  avia_.handshake_result = 1;
+  device_.handshake_result = 1;
   run(seconds{4});
   EXPECT_EQ(sut_.state(), Sdk1HostState::kSearching);
   ASSERT_EQ(told(HostEventKind::kHeldByOther), 1U);  // once, however often it is tried
-  EXPECT_EQ(words_for(last(HostEventKind::kHeldByOther)),
+  EXPECT_EQ(last_words(HostEventKind::kHeldByOther),
             "3JEDK380010Z391 is held by another host: stop that one's driver or viewer, then this one takes over");
-  EXPECT_GE(avia_.times(Sdk1Command::kHandshake), 4U);
+  EXPECT_GE(device_.times(Sdk1Command::kHandshake), 4U);
 
-  avia_.handshake_result = 0;
+  device_.handshake_result = 0;
   run(seconds{2});
 
   EXPECT_EQ(sut_.state(), Sdk1HostState::kSampling);
@@ -380,7 +333,7 @@ TEST_F(Sdk1HostTest, SaysInWordsThatAnotherHostHoldsTheDeviceAndTakesItOnceItIsF
 
 TEST_F(Sdk1HostTest, NoticesThatAnotherHostHasTakenTheDevice) {
   run(seconds{2});
-  avia_.heartbeat_result = 1;
+  device_.heartbeat_result = 1;
 
   run(seconds{4});
 
@@ -391,11 +344,11 @@ TEST_F(Sdk1HostTest, NoticesThatAnotherHostHasTakenTheDevice) {
 TEST_F(Sdk1HostTest, DoesNotTouchADeviceOfAnotherSubnetAndSaysSoOnce) {
   const Endpoint elsewhere{0xC0A80270, 65000};
   for (int i = 0; i < 3; ++i) {
-    give(avia_.broadcast(), elsewhere);
+    give(device_.broadcast(), elsewhere);
   }
 
   EXPECT_EQ(sut_.state(), Sdk1HostState::kSearching);
-  EXPECT_TRUE(avia_.heard.empty());
+  EXPECT_TRUE(device_.heard.empty());
   ASSERT_EQ(told(HostEventKind::kWrongSubnet), 1U);
   EXPECT_EQ(words_for(events_[0]),
             "3JEDK380010Z391 at 192.168.2.112 is of another subnet than this host, and cannot be reached");
@@ -410,20 +363,20 @@ TEST_F(Sdk1HostTest, TakesOnlyTheDeviceThatItIsConfiguredFor) {
 
   EXPECT_EQ(sut_.state(), Sdk1HostState::kSearching);
   EXPECT_EQ(sut_.counters().strangers, 3U);
-  EXPECT_TRUE(avia_.heard.empty());
+  EXPECT_TRUE(device_.heard.empty());
 }
 
 TEST_F(Sdk1HostTest, NoticesSilenceAfterThreeSecondsAndFindsTheDeviceAgain) {
   run(seconds{2});
-  avia_.on = false;
-  avia_.bound = false;
+  device_.on = false;
+  device_.bound = false;
   run(milliseconds{2000});
   EXPECT_EQ(told(HostEventKind::kLost), 0U);
   run(milliseconds{2000});
   EXPECT_EQ(told(HostEventKind::kLost), 1U);
   EXPECT_EQ(sut_.state(), Sdk1HostState::kSearching);
 
-  avia_.on = true;
+  device_.on = true;
   run(seconds{2});
 
   EXPECT_EQ(sut_.state(), Sdk1HostState::kSampling);
@@ -432,23 +385,23 @@ TEST_F(Sdk1HostTest, NoticesSilenceAfterThreeSecondsAndFindsTheDeviceAgain) {
 
 TEST_F(Sdk1HostTest, TakesADeviceBackAtOnceThatLooksForAHostAgain) {
   run(seconds{2});
-  avia_.bound = false;  // rebooted faster than silence would show
-  avia_.sampling = false;
+  device_.bound = false;  // rebooted faster than silence would show
+  device_.sampling = false;
 
   run(milliseconds{1050});
 
   EXPECT_EQ(told(HostEventKind::kRestarted), 1U);
   EXPECT_EQ(told(HostEventKind::kLost), 0U);
-  EXPECT_TRUE(avia_.sampling);
+  EXPECT_TRUE(device_.sampling);
 }
 
 TEST_F(Sdk1HostTest, IsNotMisledByABroadcastThatWasStillOnItsWay) {
   run(milliseconds{100});
 
-  give(avia_.broadcast(), kAvia);
+  give(device_.broadcast(), kAvia);
 
   EXPECT_EQ(told(HostEventKind::kRestarted), 0U);
-  EXPECT_EQ(avia_.times(Sdk1Command::kHandshake), 1U);
+  EXPECT_EQ(device_.times(Sdk1Command::kHandshake), 1U);
 }
 
 TEST_F(Sdk1HostTest, PassesOnAnAbnormalStatusOnceInWords) {
@@ -462,18 +415,18 @@ TEST_F(Sdk1HostTest, PassesOnAnAbnormalStatusOnceInWords) {
   }
 
   EXPECT_EQ(sut_.status_code(), 0x40000001U);
-  EXPECT_EQ(words_for(last(HostEventKind::kStatusChanged)),
+  EXPECT_EQ(last_words(HostEventKind::kStatusChanged),
             "3JEDK380010Z391 says: synchronised by none, temperature high or low, system warning");
   EXPECT_EQ(told(HostEventKind::kStatusChanged), 2U);  // the first was the heartbeat's: nothing wrong
 }
 
 TEST_F(Sdk1HostTest, TellsWhatTheClockIsSynchronisedBy) {
   run(seconds{1});
-  avia_.status = 0x6000;
+  device_.status = 0x6000;
 
   run(seconds{1});
 
-  EXPECT_EQ(words_for(last(HostEventKind::kStatusChanged)), "3JEDK380010Z391 says: synchronised by ptp");
+  EXPECT_EQ(last_words(HostEventKind::kStatusChanged), "3JEDK380010Z391 says: synchronised by ptp");
 }
 
 TEST_F(Sdk1HostTest, TellsTheDeviceTheTimeOnceItIsConnected) {
@@ -484,17 +437,17 @@ TEST_F(Sdk1HostTest, TellsTheDeviceTheTimeOnceItIsConnected) {
   EXPECT_TRUE(sut_.set_utc(utc, out_));
   deliver();
 
-  EXPECT_EQ(to_hex(avia_.last_payload(Sdk1Command::kSetUtc)), "1A0B160600176407");
+  EXPECT_EQ(to_hex(device_.last_payload(Sdk1Command::kSetUtc)), "1A0B160600176407");
   EXPECT_EQ(told(HostEventKind::kTimeSet), 1U);
 }
 
 TEST_F(Sdk1HostTest, StopsTheDeviceLetsItGoAndTakesItBack) {
   run(seconds{1});
 
-  sut_.stop(now_, out_);
+  sut_.stop(out_);
   deliver();
-  EXPECT_FALSE(avia_.sampling);
-  EXPECT_FALSE(avia_.bound);
+  EXPECT_FALSE(device_.sampling);
+  EXPECT_FALSE(device_.bound);
   EXPECT_EQ(sut_.state(), Sdk1HostState::kStopped);
   run(seconds{3});
   EXPECT_EQ(sut_.state(), Sdk1HostState::kStopped);  // whatever it broadcasts
@@ -557,7 +510,7 @@ TEST_F(Sdk1HostTest, SurvivesAnyFramesAndStillReachesTheDevice) {
 
 TEST_F(Sdk1HostTest, DoesNotAllocate) {
   SLAMD_NEEDS_ALLOCATION_GUARD();
-  const Bytes broadcast = avia_.broadcast();
+  const Bytes broadcast = device_.broadcast();
   const Bytes connected = ScriptedAvia::frame(Sdk1FrameType::kAck, 1, Sdk1Command::kHandshake, one_byte(0));
   const Bytes beat = ScriptedAvia::frame(Sdk1FrameType::kAck, 2, Sdk1Command::kHeartbeat,
                                          Sdk1HeartbeatAck{0, Sdk1WorkState::kNormal, 0, 0}.bytes());

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/base/bytes.hpp"
+#include "host_wire.hpp"
 #include "tests/hex/hex.hpp"
 #include "tests/support/allocation_guard.hpp"
 
@@ -140,69 +141,21 @@ class ScriptedMid360 {
 
 Sdk2HostConfig config() {
   Sdk2HostConfig config;
-  config.host_address = kHost;
+  config.interfaces.push_back({kHost, 0xFFFFFF00});
   return config;
 }
 
-class Sdk2HostTest : public testing::Test {
+class Sdk2HostTest : public HostWire<Sdk2Host, ScriptedMid360> {
  protected:
-  void run(Duration duration) {
-    const Stamp end = now_ + duration;
-    while (now_ < end) {
-      now_ += milliseconds{50};
-      sut_.advance(now_, out_);
-      deliver();
-    }
-  }
-
-  void give(const Bytes& bytes, Endpoint from) {
-    sut_.receive(bytes, from, now_, out_);
-    deliver();
-  }
-
-  void deliver() {
-    while (true) {
-      events_.insert(events_.end(), out_.events.begin(), out_.events.end());
-      std::vector<Bytes> sent;
-      for (const auto& datagram : out_.datagrams) {
-        EXPECT_TRUE(datagram.to == kCommands || datagram.to == (Endpoint{kEverybody, 56000}));
-        sent.emplace_back(datagram.bytes.begin(), datagram.bytes.end());
-      }
-      out_.clear();
-      if (sent.empty()) {
-        return;
-      }
-      for (const Bytes& bytes : sent) {
-        if (const auto answer = mid360_.answer(bytes)) {
-          sut_.receive(*answer, kCommands, now_, out_);
-        }
-      }
-    }
-  }
-
-  std::size_t told(HostEventKind kind) const {
-    return static_cast<std::size_t>(
-        std::count_if(events_.begin(), events_.end(), [&](const HostEvent& event) { return event.kind == kind; }));
-  }
-
-  std::string last_words(HostEventKind kind) const {
-    const auto found = std::find_if(events_.rbegin(), events_.rend(), [&](const HostEvent& e) { return e.kind == kind; });
-    return found == events_.rend() ? "" : words_for(*found);
-  }
+  Sdk2HostTest() : HostWire(Sdk2Host(config()), kCommands) {}
 
   void point_at(std::uint32_t address) {
-    mid360_.values[Sdk2Key::kPointDestination] = bytes_of(Sdk2Destination{address, 56301, 56300}.bytes());
+    device_.values[Sdk2Key::kPointDestination] = bytes_of(Sdk2Destination{address, 56301, 56300}.bytes());
   }
-
-  Sdk2Host sut_{config()};
-  ScriptedMid360 mid360_;
-  HostOutput out_;
-  std::vector<HostEvent> events_;
-  Stamp now_{seconds{1000}};
 };
 
 TEST_F(Sdk2HostTest, AsksEverybodyOnceASecondAndSaysAfterFiveThatNobodyAnswers) {
-  mid360_.on = false;
+  device_.on = false;
   std::size_t asked = 0;
   for (int i = 0; i < 200; ++i) {
     now_ += milliseconds{50};
@@ -226,12 +179,12 @@ TEST_F(Sdk2HostTest, FindsReadsConfiguresAndStartsTheDevice) {
   EXPECT_EQ(sut_.state(), Sdk2HostState::kSampling);
   EXPECT_EQ(sut_.serial_number().view(), kSerialNumber);
   EXPECT_EQ(sut_.device(), kCommands);
-  EXPECT_EQ(mid360_.set, (std::vector{Sdk2Key::kStateDestination, Sdk2Key::kPointDestination, Sdk2Key::kImuDestination,
+  EXPECT_EQ(device_.set, (std::vector{Sdk2Key::kStateDestination, Sdk2Key::kPointDestination, Sdk2Key::kImuDestination,
                                       Sdk2Key::kPointType, Sdk2Key::kScanPattern, Sdk2Key::kImuEnable,
                                       Sdk2Key::kPointSend, Sdk2Key::kWorkMode}));
-  EXPECT_EQ(Sdk2Destination::parse(mid360_.values[Sdk2Key::kImuDestination]), (Sdk2Destination{kHost, 56401, 56400}));
-  EXPECT_EQ(mid360_.values[Sdk2Key::kPointSend], Bytes{std::byte{0}});  // 0 sends
-  EXPECT_EQ(mid360_.work_state(), 1);
+  EXPECT_EQ(Sdk2Destination::parse(device_.values[Sdk2Key::kImuDestination]), (Sdk2Destination{kHost, 56401, 56400}));
+  EXPECT_EQ(device_.values[Sdk2Key::kPointSend], Bytes{std::byte{0}});  // 0 sends
+  EXPECT_EQ(device_.work_state(), 1);
   EXPECT_EQ(last_words(HostEventKind::kConnected), "47MDL1234567890 at 192.168.1.112 is connected");
   EXPECT_EQ(last_words(HostEventKind::kIdentified), "47MDL1234567890 has firmware 13.18.0.17");
   EXPECT_EQ(told(HostEventKind::kTakenOver), 0U);
@@ -241,37 +194,37 @@ TEST_F(Sdk2HostTest, FindsReadsConfiguresAndStartsTheDevice) {
 
 TEST_F(Sdk2HostTest, AsksForTheStateOnceASecond) {
   run(milliseconds{100});
-  const int before = mid360_.questions;
+  const int before = device_.questions;
 
   run(seconds{10});
 
-  EXPECT_NEAR(mid360_.questions - before, 10, 1);
+  EXPECT_NEAR(device_.questions - before, 10, 1);
   EXPECT_NEAR(sut_.temperature_c().value_or(0.0), 42.13, 1e-9);
   EXPECT_EQ(told(HostEventKind::kSampling), 1U);
   EXPECT_EQ(told(HostEventKind::kLost), 0U);
 }
 
 TEST_F(Sdk2HostTest, WaitsWhileTheMotorStarts) {
-  mid360_.obeys_work_mode = false;
-  mid360_.values[Sdk2Key::kWorkState] = le<std::uint8_t>(6);
+  device_.obeys_work_mode = false;
+  device_.values[Sdk2Key::kWorkState] = le<std::uint8_t>(6);
   run(seconds{5});
   EXPECT_EQ(sut_.state(), Sdk2HostState::kWaiting);
-  EXPECT_EQ(std::count(mid360_.set.begin(), mid360_.set.end(), Sdk2Key::kWorkMode), 1);
+  EXPECT_EQ(std::count(device_.set.begin(), device_.set.end(), Sdk2Key::kWorkMode), 1);
 
-  mid360_.values[Sdk2Key::kWorkState] = le<std::uint8_t>(1);
-  give(mid360_.push({Sdk2Key::kWorkState}), {0xC0A80170, 56200});
+  device_.values[Sdk2Key::kWorkState] = le<std::uint8_t>(1);
+  give(device_.push({Sdk2Key::kWorkState}), {0xC0A80170, 56200});
 
   EXPECT_EQ(sut_.state(), Sdk2HostState::kSampling);
 }
 
 TEST_F(Sdk2HostTest, TellsAnIdleDeviceToSampleAgainOnceASecond) {
-  mid360_.obeys_work_mode = false;
+  device_.obeys_work_mode = false;
   run(seconds{5});
 
-  const auto tries = std::count(mid360_.set.begin(), mid360_.set.end(), Sdk2Key::kWorkMode);
+  const auto tries = std::count(device_.set.begin(), device_.set.end(), Sdk2Key::kWorkMode);
   EXPECT_GE(tries, 3);
   EXPECT_LE(tries, 6);
-  mid360_.obeys_work_mode = true;
+  device_.obeys_work_mode = true;
   run(seconds{2});
   EXPECT_EQ(sut_.state(), Sdk2HostState::kSampling);
 }
@@ -282,7 +235,7 @@ TEST_F(Sdk2HostTest, PutsTheDeviceToRestAndWakesItWhenTold) {
   sut_.set_sampling(false, now_, out_);
   deliver();
   EXPECT_EQ(sut_.state(), Sdk2HostState::kResting);
-  EXPECT_EQ(mid360_.work_state(), 2);
+  EXPECT_EQ(device_.work_state(), 2);
   sut_.set_sampling(true, now_, out_);
   deliver();
 
@@ -306,7 +259,7 @@ TEST_F(Sdk2HostTest, LeavesADeviceToItsHostWhenItMayNotTakeIt) {
   point_at(kOther);
   run(seconds{5});
   EXPECT_EQ(sut_.state(), Sdk2HostState::kHeld);
-  EXPECT_TRUE(mid360_.set.empty());
+  EXPECT_TRUE(device_.set.empty());
   EXPECT_EQ(told(HostEventKind::kHeldByOther), 1U);
   EXPECT_EQ(last_words(HostEventKind::kHeldByOther),
             "47MDL1234567890 is held by another host: it is set to send to 192.168.1.9; this one takes it back when it is "
@@ -320,14 +273,14 @@ TEST_F(Sdk2HostTest, LeavesADeviceToItsHostWhenItMayNotTakeIt) {
 
 TEST_F(Sdk2HostTest, YieldsToAHostThatTakesTheDeviceAndTakesItBackWhenItRestarts) {
   run(seconds{1});
-  const std::size_t before = mid360_.set.size();
+  const std::size_t before = device_.set.size();
   point_at(kOther);
   run(seconds{5});
   EXPECT_EQ(sut_.state(), Sdk2HostState::kHeld);
   EXPECT_EQ(told(HostEventKind::kHeldByOther), 1U);
-  EXPECT_EQ(mid360_.set.size(), before);
+  EXPECT_EQ(device_.set.size(), before);
 
-  mid360_.values[Sdk2Key::kPowerUps] = le<std::uint32_t>(18);
+  device_.values[Sdk2Key::kPowerUps] = le<std::uint32_t>(18);
   run(seconds{2});
 
   EXPECT_EQ(sut_.state(), Sdk2HostState::kSampling);
@@ -335,27 +288,27 @@ TEST_F(Sdk2HostTest, YieldsToAHostThatTakesTheDeviceAndTakesItBackWhenItRestarts
 
 TEST_F(Sdk2HostTest, ConfiguresADeviceAgainThatHasRestarted) {
   run(seconds{1});
-  const std::size_t before = mid360_.set.size();
-  mid360_.values[Sdk2Key::kPowerUps] = le<std::uint32_t>(18);
-  mid360_.values[Sdk2Key::kWorkState] = le<std::uint8_t>(2);
+  const std::size_t before = device_.set.size();
+  device_.values[Sdk2Key::kPowerUps] = le<std::uint32_t>(18);
+  device_.values[Sdk2Key::kWorkState] = le<std::uint8_t>(2);
 
   run(seconds{2});
 
   EXPECT_EQ(told(HostEventKind::kRestarted), 1U);
-  EXPECT_EQ(mid360_.set.size(), before + 7);
+  EXPECT_EQ(device_.set.size(), before + 7);
   EXPECT_EQ(sut_.state(), Sdk2HostState::kSampling);
 }
 
 TEST_F(Sdk2HostTest, NoticesSilenceAndFindsTheDeviceAgain) {
   run(seconds{1});
-  mid360_.on = false;
+  device_.on = false;
   run(seconds{2});
   EXPECT_EQ(told(HostEventKind::kLost), 0U);
   run(seconds{2});
   EXPECT_EQ(told(HostEventKind::kLost), 1U);
   EXPECT_EQ(sut_.state(), Sdk2HostState::kSearching);
 
-  mid360_.on = true;
+  device_.on = true;
   run(seconds{2});
 
   EXPECT_EQ(sut_.state(), Sdk2HostState::kSampling);
@@ -363,11 +316,11 @@ TEST_F(Sdk2HostTest, NoticesSilenceAndFindsTheDeviceAgain) {
 
 TEST_F(Sdk2HostTest, TakesAPushForASignOfLife) {
   run(seconds{1});
-  mid360_.on = false;  // its answers get lost, its pushes do not
+  device_.on = false;  // its answers get lost, its pushes do not
 
   for (int i = 0; i < 10; ++i) {
     run(seconds{1});
-    give(mid360_.push({Sdk2Key::kWorkState}), {0xC0A80170, 56200});
+    give(device_.push({Sdk2Key::kWorkState}), {0xC0A80170, 56200});
   }
 
   EXPECT_EQ(told(HostEventKind::kLost), 0U);
@@ -375,7 +328,7 @@ TEST_F(Sdk2HostTest, TakesAPushForASignOfLife) {
 }
 
 TEST_F(Sdk2HostTest, SaysThatADeviceDoesNotAnswer) {
-  mid360_.deaf_to_commands = true;
+  device_.deaf_to_commands = true;
 
   run(milliseconds{3200});
 
@@ -383,7 +336,7 @@ TEST_F(Sdk2HostTest, SaysThatADeviceDoesNotAnswer) {
 }
 
 TEST_F(Sdk2HostTest, GoesOnWithoutASettingThatIsRefused) {
-  mid360_.refusals[Sdk2Key::kImuEnable] = 0x20;
+  device_.refusals[Sdk2Key::kImuEnable] = 0x20;
 
   run(milliseconds{100});
 
@@ -393,20 +346,20 @@ TEST_F(Sdk2HostTest, GoesOnWithoutASettingThatIsRefused) {
 }
 
 TEST_F(Sdk2HostTest, DoesNotGoOnWithoutTheDestinations) {
-  mid360_.refusals[Sdk2Key::kPointDestination] = 0x02;
+  device_.refusals[Sdk2Key::kPointDestination] = 0x02;
   run(seconds{2});
   EXPECT_EQ(sut_.state(), Sdk2HostState::kConfiguring);
 
-  mid360_.refusals.clear();
+  device_.refusals.clear();
   run(seconds{2});
 
   EXPECT_EQ(sut_.state(), Sdk2HostState::kSampling);
 }
 
 TEST_F(Sdk2HostTest, DoesNotTouchADeviceOfAnotherSubnetAndSaysSoOnce) {
-  mid360_.on = false;
+  device_.on = false;
   for (std::uint32_t i = 0; i < 3; ++i) {
-    give(mid360_.discovery_ack(i), {0xC0A80270, 56000});
+    give(device_.discovery_ack(i), {0xC0A80270, 56000});
   }
 
   EXPECT_EQ(sut_.state(), Sdk2HostState::kSearching);
@@ -421,19 +374,19 @@ TEST_F(Sdk2HostTest, TakesOnlyTheDeviceThatItIsConfiguredFor) {
   run(seconds{3});
 
   EXPECT_EQ(sut_.state(), Sdk2HostState::kSearching);
-  EXPECT_TRUE(mid360_.set.empty());
+  EXPECT_TRUE(device_.set.empty());
 }
 
 TEST_F(Sdk2HostTest, TellsOfSynchronisationAndHealthWhenTheyChange) {
   run(milliseconds{100});
-  mid360_.values[Sdk2Key::kSyncType] = le<std::uint8_t>(1);
-  mid360_.values[Sdk2Key::kHealth][4] = std::byte{0x2A};
+  device_.values[Sdk2Key::kSyncType] = le<std::uint8_t>(1);
+  device_.values[Sdk2Key::kHealth][4] = std::byte{0x2A};
   run(seconds{3});
 
   EXPECT_EQ(last_words(HostEventKind::kSyncChanged), "47MDL1234567890 is synchronised by ptp");
   EXPECT_EQ(last_words(HostEventKind::kHealthChanged), "47MDL1234567890 reports health code 42");
   EXPECT_EQ(told(HostEventKind::kHealthChanged), 1U);
-  mid360_.values[Sdk2Key::kHealth][4] = std::byte{0};
+  device_.values[Sdk2Key::kHealth][4] = std::byte{0};
   run(seconds{2});
   EXPECT_EQ(last_words(HostEventKind::kHealthChanged), "47MDL1234567890 is well");
 }
@@ -445,7 +398,7 @@ TEST_F(Sdk2HostTest, TellsTheDeviceTheTimeOnceItIsConnected) {
   EXPECT_TRUE(sut_.set_gps_time(1'795'327'324'000'000'000, out_));
   deliver();
 
-  EXPECT_EQ(mid360_.time_ns, 1'795'327'324'000'000'000U);
+  EXPECT_EQ(device_.time_ns, 1'795'327'324'000'000'000U);
   EXPECT_EQ(told(HostEventKind::kTimeSet), 1U);
 }
 
@@ -454,7 +407,7 @@ TEST_F(Sdk2HostTest, StopsTheDeviceAndTakesItBack) {
 
   sut_.stop(out_);
   deliver();
-  EXPECT_EQ(mid360_.work_state(), 2);
+  EXPECT_EQ(device_.work_state(), 2);
   run(seconds{3});
   EXPECT_EQ(sut_.state(), Sdk2HostState::kStopped);
   sut_.start();
@@ -487,7 +440,7 @@ TEST_F(Sdk2HostTest, SurvivesAnyFramesAndStillReachesTheDevice) {
     if (round % 5 == 0) {
       Sdk2Frame frame;
       std::size_t size = 0;
-      const Bytes push = mid360_.push({Sdk2Key::kWorkState, Sdk2Key::kPowerUps, Sdk2Key::kPointDestination});
+      const Bytes push = device_.push({Sdk2Key::kWorkState, Sdk2Key::kPowerUps, Sdk2Key::kPointDestination});
       ASSERT_EQ(parse_sdk2_frame(push, frame, size), FrameResult::kOk);
       payload.assign(frame.payload.begin(), frame.payload.end());
     }
@@ -504,9 +457,9 @@ TEST_F(Sdk2HostTest, SurvivesAnyFramesAndStillReachesTheDevice) {
     }
   }
   out_.clear();
-  mid360_.on = false;
+  device_.on = false;
   run(seconds{10});
-  mid360_.on = true;
+  device_.on = true;
 
   run(seconds{10});
 
@@ -515,8 +468,8 @@ TEST_F(Sdk2HostTest, SurvivesAnyFramesAndStillReachesTheDevice) {
 
 TEST_F(Sdk2HostTest, DoesNotAllocate) {
   SLAMD_NEEDS_ALLOCATION_GUARD();
-  const Bytes found = mid360_.discovery_ack(1);
-  const Bytes push = mid360_.push({Sdk2Key::kWorkState, Sdk2Key::kHealth});
+  const Bytes found = device_.discovery_ack(1);
+  const Bytes push = device_.push({Sdk2Key::kWorkState, Sdk2Key::kHealth});
 
   const std::size_t allocations = support::count_allocations([&] {
     sut_.advance(now_, out_);
