@@ -31,10 +31,6 @@ ImuStream::ImuStream(Protocol protocol) {
   }
 }
 
-void ImuStream::restart() {
-  std::visit([](auto& reader) { reader.restart_stream(); }, reader_);
-}
-
 StreamSummary ImuStream::summary() const {
   if (const auto* rows = std::get_if<CsvRows>(&reader_)) {
     const RowCounters counters = rows->counters();

@@ -44,8 +44,17 @@ class ImuStream {
     }
   }
 
-  /// Forgets the beginning in hand: the stream was interrupted.
-  void restart();
+  /// Ends the stream, which was interrupted: calls visit() for the samples that were still in hand.
+  template <typename Visit>
+  void finish(Stamp received, Visit&& visit) {
+    if (auto* rows = std::get_if<CsvRows>(&reader_)) {
+      rows->restart_stream();  // a row without its end is none
+    } else if (auto* xsens = std::get_if<XsensReader>(&reader_)) {
+      xsens->finish(received, visit);
+    } else {
+      std::get<MipReader>(reader_).finish(received, visit);
+    }
+  }
 
   Protocol protocol() const { return static_cast<Protocol>(reader_.index()); }
   StreamSummary summary() const;

@@ -119,19 +119,17 @@ class MipReader {
   /// Takes the next bytes; calls visit(const sensor::ImuReading&) for each sample.
   template <typename Visit>
   void add(std::span<const std::byte> bytes, Stamp received, Visit&& visit) {
-    frames_.add(bytes, [&](std::span<const std::byte> frame) {
-      sensor::ImuReading reading;
-      if (take(Mip::parse(frame), reading) == InertialResult::kSample) {
-        reading.received = received;
-        visit(static_cast<const sensor::ImuReading&>(reading));
-      }
-    });
+    frames_.add(bytes, [&](std::span<const std::byte> frame) { take(frame, received, visit); });
+  }
+
+  /// Ends the stream, which was interrupted: calls visit() for the samples that were still in hand.
+  template <typename Visit>
+  void finish(Stamp received, Visit&& visit) {
+    frames_.finish([&](std::span<const std::byte> frame) { take(frame, received, visit); });
   }
 
   /// Decodes one packet; counts what became of it.
   InertialResult take(const MipPacket& packet, sensor::ImuReading& reading);
-
-  void restart_stream() { frames_.restart(); }
 
   std::size_t pending() const { return frames_.pending(); }
   StreamCounters stream() const { return frames_.counters(); }
@@ -142,6 +140,15 @@ class MipReader {
 
  private:
   struct Contents;
+
+  template <typename Visit>
+  void take(std::span<const std::byte> frame, Stamp received, Visit& visit) {
+    sensor::ImuReading reading;
+    if (take(Mip::parse(frame), reading) == InertialResult::kSample) {
+      reading.received = received;
+      visit(static_cast<const sensor::ImuReading&>(reading));
+    }
+  }
 
   InertialResult decode(const MipPacket& packet, sensor::ImuReading& reading);
   void note_gap(DeviceStamp stamp, std::optional<std::uint64_t> delta_ns);

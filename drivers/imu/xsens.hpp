@@ -117,19 +117,17 @@ class XsensReader {
   /// Takes the next bytes; calls visit(const sensor::ImuReading&) for each sample.
   template <typename Visit>
   void add(std::span<const std::byte> bytes, Stamp received, Visit&& visit) {
-    frames_.add(bytes, [&](std::span<const std::byte> frame) {
-      sensor::ImuReading reading;
-      if (take(Xbus::parse(frame), reading) == InertialResult::kSample) {
-        reading.received = received;
-        visit(static_cast<const sensor::ImuReading&>(reading));
-      }
-    });
+    frames_.add(bytes, [&](std::span<const std::byte> frame) { take(frame, received, visit); });
+  }
+
+  /// Ends the stream, which was interrupted: calls visit() for the samples that were still in hand.
+  template <typename Visit>
+  void finish(Stamp received, Visit&& visit) {
+    frames_.finish([&](std::span<const std::byte> frame) { take(frame, received, visit); });
   }
 
   /// Decodes one message; counts what became of it.
   InertialResult take(const XbusMessage& message, sensor::ImuReading& reading);
-
-  void restart_stream() { frames_.restart(); }
 
   std::size_t pending() const { return frames_.pending(); }
   StreamCounters stream() const { return frames_.counters(); }
@@ -140,6 +138,15 @@ class XsensReader {
 
  private:
   struct Contents;
+
+  template <typename Visit>
+  void take(std::span<const std::byte> frame, Stamp received, Visit& visit) {
+    sensor::ImuReading reading;
+    if (take(Xbus::parse(frame), reading) == InertialResult::kSample) {
+      reading.received = received;
+      visit(static_cast<const sensor::ImuReading&>(reading));
+    }
+  }
 
   InertialResult decode(const XbusMessage& message, sensor::ImuReading& reading);
   std::optional<DeviceStamp> stamp_of(const Contents& contents);

@@ -91,11 +91,27 @@ TEST(ImuStream, ForgetsWhatItHasInHandWhenTheStreamIsInterrupted) {
     const std::size_t half = example.good.size() / 2;
 
     sut.add(std::span(example.good).first(half), kReceived, visit);
-    sut.restart();
+    sut.finish(kReceived, visit);
     sut.add(std::span(example.good).subspan(half), kReceived, visit);
     sut.add(example.good, kReceived, visit);
 
     EXPECT_EQ(samples, 1U) << name_of(example.protocol);
+  }
+}
+
+TEST(ImuStream, FindsTheSamplesBehindABeginningThatNeverEnds) {
+  const std::vector<Example> all = examples();
+  for (const auto& [example, announced] : {std::pair(all[1], from_hex("FAFF36FF0700")), std::pair(all[2], from_hex("756580FF"))}) {
+    ImuStream sut(example.protocol);
+    std::size_t samples = 0;
+    const auto visit = [&](const sensor::ImuReading&) { ++samples; };
+    sut.add(announced, kReceived, visit);
+    sut.add(example.good, kReceived, visit);
+    ASSERT_EQ(samples, 0U);
+
+    sut.finish(kReceived, visit);
+
+    EXPECT_EQ(samples, 1U);
   }
 }
 
@@ -108,7 +124,7 @@ TEST(ImuStream, DoesNotAllocate) {
     const std::size_t allocations = support::count_allocations([&] {
       sut.add(example.good, kReceived, [&](const sensor::ImuReading&) { ++samples; });
       sut.add(example.damaged, kReceived, [&](const sensor::ImuReading&) { ++samples; });
-      sut.restart();
+      sut.finish(kReceived, [&](const sensor::ImuReading&) { ++samples; });
       sut.summary();
     });
 
