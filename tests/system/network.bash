@@ -6,6 +6,9 @@ if ! ip netns add slamd_probe 2>/dev/null; then
   exit 0
 fi
 ip netns del slamd_probe
+# Another run's namespaces have the same names: one run after the other.
+exec 9>"${TMPDIR:-/tmp}/slamd_network.lock"
+flock --wait 600 9 || { echo "FAIL $suite: another run holds the network namespaces"; exit 1; }
 
 pids=()
 finish() {

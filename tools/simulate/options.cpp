@@ -1,5 +1,7 @@
 #include "tools/simulate/options.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <fstream>
 #include <sstream>
 
@@ -146,7 +148,7 @@ void declare(CLI::App& app, Options& options) {
                      "time, and send its packets there; --out is then optional")
           ->excludes("--vehicle", "--waypoints", "--replay", "--preview")
           ->group(kLive);
-  app.add_option("--imu-to", options.imu_to, "Where inertial samples go, udp:HOST:PORT or pty:LINKPATH")
+  app.add_option("--imu-to", options.imu_to, "Where inertial samples go: udp:HOST:PORT, pty:LINKPATH, or as an emulated sensor sends them, xsens:LINKPATH, mip:LINKPATH")
       ->needs(live)
       ->group(kLive);
   app.add_option("--url", options.lcm_url, "LCM's, for commands and truth")
@@ -166,6 +168,7 @@ LiveOptions live_options_of(const Options& options) {
   replay::parse_destination("--drive", options.drive_to, live.target);
   if (!options.imu_to.empty()) {
     replay::parse_imu_destination(options.imu_to, live.target);
+    live.target.imu_rate_hz = std::max(1, static_cast<int>(std::lround(options.drive.imu_rate_hz)));
   }
   live.lcm_url = options.lcm_url.empty() ? std::string(bus::kDefaultUrl) : options.lcm_url;
   live.lcm_prefix = options.lcm_prefix.empty() ? std::string(bus::kDefaultPrefix) : options.lcm_prefix;
