@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <cstdio>
 #include <random>
@@ -254,6 +255,36 @@ TEST_F(Serial, SaysOnceThatThereIsNoPortAndTakesItWhenItComes) {
   EXPECT_TRUE(happens(threads::Event::kSerialOpen));
 
   EXPECT_EQ(std::count(events_.begin(), events_.end(), threads::Event::kSerialRefused), 1);
+}
+
+TEST_F(Serial, HandsThePortFromThreadToThreadAsOftenAsItIsPluggedIn) {
+  begin("baud = 921600\n");
+  std::atomic<bool> stopping{false};
+  std::thread serial([&] {
+    while (!stopping) {
+      serial_->run_once(std::chrono::milliseconds(5));
+    }
+  });
+  const auto samples_come = [&](const Terminal& sensor, std::uint32_t begin) {
+    const std::uint64_t before = receive_->counts().imu.received;
+    const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+    for (std::uint32_t i = begin; receive_->counts().imu.received < before + 10; ++i) {
+      if (std::chrono::steady_clock::now() > deadline) {
+        return false;
+      }
+      sensor.write(sample_of(Protocol::kCsv, i));
+      receive_->run_once(std::chrono::milliseconds(5));
+    }
+    return true;
+  };
+
+  for (std::uint32_t round = 0; round < 3; ++round) {
+    const Terminal sensor(folder_ / "imu");
+    EXPECT_TRUE(samples_come(sensor, 1 + 300 * round));
+  }
+
+  stopping = true;
+  serial.join();
 }
 
 TEST_F(Serial, SeesThatForceComesInG) {
