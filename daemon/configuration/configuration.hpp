@@ -36,6 +36,9 @@ bool is_livox(LidarModel model);
 /// Whose time a sensor's stamps tell.
 enum class SensorClock { kEstimated, kShared };
 
+/// What an inertial sensor on a serial line speaks.
+enum class ImuProtocol { kCsv, kXsens, kMip };
+
 struct LidarConfiguration {
   LidarModel model = LidarModel::kVlp16;
   std::string source;         // file or folder in the recording; empty: the recording's only pcap
@@ -69,7 +72,9 @@ struct ImuConfiguration {
   std::string source;         // file in the recording, "livox", or live "udp" or "serial"
   int port = 7501;            // UDP destination port of "udp"
   std::string device;         // terminal of "serial"
-  int baud = 921'600;         // its rate
+  int baud = 921'600;         // its rate; 0: is found by listening
+  ImuProtocol protocol = ImuProtocol::kCsv;  // of "serial"
+  int rate_hz = 0;            // samples that an Xsens or a MicroStrain is told to send; 0: it is left as it is
   std::optional<geometry::Se3> T_base_imu;
   SensorClock clock = SensorClock::kEstimated;
 

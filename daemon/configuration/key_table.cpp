@@ -196,6 +196,8 @@ void add_device_keys(std::vector<Key>& keys) {
 void add_sensor_keys(std::vector<Key>& keys) {
   const std::vector<std::pair<std::string, SensorClock>> clocks{{"estimated", SensorClock::kEstimated},
                                                                 {"shared", SensorClock::kShared}};
+  const std::vector<std::pair<std::string, ImuProtocol>> protocols{
+      {"csv", ImuProtocol::kCsv}, {"xsens", ImuProtocol::kXsens}, {"mip", ImuProtocol::kMip}};
   std::vector<std::pair<std::string, LidarModel>> models;
   for (const LidarModel model : {LidarModel::kVlp16, LidarModel::kVlp16HiRes, LidarModel::kVlp32c, LidarModel::kHdl32e,
                                  LidarModel::kLivoxAvia, LidarModel::kLivoxMid360, LidarModel::kPoints}) {
@@ -221,10 +223,12 @@ void add_sensor_keys(std::vector<Key>& keys) {
   keys.push_back(number("lidar.scans_per_second", 0.5, 100.0, "Rate of a points folder without stamps.", SLAMD_FIELD(lidar.scans_per_second)));
   add_device_keys(keys);
   keys.push_back(boolean("imu.enabled", "true as soon as the table is there.", SLAMD_FIELD(imu.enabled)));
-  keys.push_back(text("imu.source", "A CSV file of the recording, or \"livox\" for the built-in sensor; live also \"udp\" or \"serial\": CSV rows from a port.", SLAMD_FIELD(imu.source)));
+  keys.push_back(text("imu.source", "A CSV file of the recording, or \"livox\" for the built-in sensor; live also \"udp\" (CSV rows) or \"serial\".", SLAMD_FIELD(imu.source)));
   keys.push_back(number("imu.port", 1, 65535, "Live, \"udp\": destination port of the rows.", SLAMD_FIELD(imu.port)));
-  keys.push_back(text("imu.device", "Live, \"serial\": the terminal, such as /dev/ttyUSB0.", SLAMD_FIELD(imu.device)));
-  keys.push_back(number("imu.baud", 4800, 4000000, "Live, \"serial\": its rate, one of the standard ones.", SLAMD_FIELD(imu.baud)));
+  keys.push_back(text("imu.device", "Live, \"serial\": the terminal, such as /dev/ttyUSB0, or better a link below /dev/serial/by-id.", SLAMD_FIELD(imu.device)));
+  keys.push_back(number("imu.baud", 0, 4000000, "Live, \"serial\": its rate, one of the standard ones; 0: found by listening.", SLAMD_FIELD(imu.baud)));
+  keys.push_back(choice("imu.protocol", protocols, "Live, \"serial\": CSV rows, Xsens MTData2 or MicroStrain MIP.", SLAMD_FIELD(imu.protocol)));
+  keys.push_back(number("imu.rate_hz", 0, 2000, "Live, \"xsens\" and \"mip\": samples a second that the sensor is told to send; 0: it is left as it is.", SLAMD_FIELD(imu.rate_hz)));
   add_transform(keys, "imu.T_base_imu", "The inertial sensor's place in base; a Livox's own follows from T_base_lidar.",
                 [](Configuration& c) -> geometry::Se3& {
                   if (!c.imu.T_base_imu) {

@@ -1,6 +1,7 @@
 #include "daemon/pipeline/health_monitor.hpp"
 
 #include <cstdio>
+#include <system_error>
 
 #include "drivers/transport/udp_receiver.hpp"
 
@@ -85,7 +86,7 @@ SensorHealth HealthMonitor::lidar(const Pipeline& pipeline, Stamp now) {
 SensorHealth HealthMonitor::imu(const Pipeline& pipeline, Stamp now) {
   const ReceiveCounts receive = pipeline.receive().counts();
   SensorHealth health = sensor_health("imu", receive.imu, shared_clock_, now);
-  health.lost = receive.imu.kernel_lost;
+  health.lost = receive.imu.kernel_lost + receive.imu.missing;
   health.dropped += pipeline.preprocess().counts().imu_refused;
   samples_.update(receive.imu.received, now);
   health.rate_hz = static_cast<float>(samples_.hz);
@@ -106,6 +107,9 @@ void HealthMonitor::add_causes(const Pipeline& pipeline, Stamp now, bus::Health&
   judge(lidar_name_, receive.lidar);
   if (imu_enabled_) {
     judge("imu", receive.imu);
+    if (const std::string_view fault = imu::in_words(receive.imu_units); !fault.empty()) {
+      say("imu: " + std::string(fault));
+    }
   }
   if (odometry.epoch != pipeline.epoch()) {
     if (imu_enabled_ && !pipeline.preprocess().counts().aligned && receive.imu.last != Stamp{}) {
@@ -154,6 +158,9 @@ bus::Health HealthMonitor::read(const Pipeline& pipeline, Stamp now, const std::
   count("blocks_dropped", receive.blocks_dropped);
   count("kernel_lost", receive.lidar.kernel_lost + receive.imu.kernel_lost);
   count("imu_late", preprocess.imu_late);
+  if (receive.samples_clipped != 0) {
+    count("samples_clipped", receive.samples_clipped);
+  }
   count("resets", pipeline.publish().counts().reset_counter);
   health.swarm_use = odometry.scans == 0 ? 0.0F
                                          : static_cast<float>(odometry.swarm_won) / static_cast<float>(odometry.scans);
@@ -177,6 +184,15 @@ std::string sentence(const threads::EventRecord& record) {
     case Event::kImuSilent: return "the inertial sensor has fallen silent";
     case Event::kSerialLost: return "the serial port is gone; it is tried again twice a second";
     case Event::kSerialOpen: return "the serial port is open";
+    case Event::kSerialRefused:
+      return "the serial port cannot be opened (" + std::generic_category().message(static_cast<int>(record.value)) +
+             "); it is tried again twice a second";
+    case Event::kSerialSilent: return "nothing comes from the serial port; it is opened anew";
+    case Event::kSerialFound: return "the inertial sensor is heard at " + number + " baud";
+    case Event::kImuConfigured: return "the inertial sensor is configured: " + number + " samples a second";
+    case Event::kImuRefused: return "the inertial sensor refuses its configuration (code " + number + "), and goes on as it was";
+    case Event::kImuTakenAsItIs: return "the inertial sensor does not answer, but sends: it is taken as it is";
+    case Event::kImuMute: return "the inertial sensor neither sends nor answers; it is asked again";
     case Event::kBlockPoolEmpty: return "no free block: " + number + " packets dropped so far";
     case Event::kScanDropped: return "no free job: " + number + " scans dropped so far";
     case Event::kScanSkipped: return "the odometry is late: " + number + " scans skipped so far";

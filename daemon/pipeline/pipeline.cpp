@@ -38,18 +38,26 @@ Pipeline::Pipeline(const Configuration& configuration, const transport::HostCloc
       receive_(configuration, clock, rings_),
       preprocess_(configuration, odometry_config_, clock, rings_),
       odometry_(odometry_config_, clock, rings_),
-      publish_(odometry_config_, configuration.lidar.scan_period, clock, rings_, publisher_) {}
+      publish_(odometry_config_, configuration.lidar.scan_period, clock, rings_, publisher_) {
+  if (SerialLine* line = receive_.serial_line(); line != nullptr) {
+    serial_ = std::make_unique<SerialLoop>(configuration, clock, *line);
+  }
+}
 
 Pipeline::~Pipeline() { stop(); }
 
 template <typename Loop>
-void Pipeline::run(const char* name, int priority, Loop& loop) {
-  const threads::Scheduling scheduling{configuration_.realtime.fifo, configuration_.realtime.priority + priority};
-  threads_.push_back(std::make_unique<threads::RealTimeThread>(name, scheduling, [this, &loop] {
+std::unique_ptr<threads::RealTimeThread> Pipeline::thread(const char* name, threads::Scheduling scheduling, Loop& loop) {
+  return std::make_unique<threads::RealTimeThread>(name, scheduling, [this, &loop] {
     while (!stopping_.load(std::memory_order_relaxed)) {
       loop.run_once(kLongestSleep);
     }
-  }));
+  });
+}
+
+template <typename Loop>
+void Pipeline::run(const char* name, int priority, Loop& loop) {
+  threads_.push_back(thread(name, {configuration_.realtime.fifo, configuration_.realtime.priority + priority}, loop));
 }
 
 void Pipeline::start() {
@@ -60,11 +68,15 @@ void Pipeline::start() {
   run("slamd-preproc", 1, preprocess_);
   run("slamd-publish", 2, publish_);
   run("slamd-receive", 3, receive_);
+  if (serial_) {
+    serial_thread_ = thread("slamd-serial", {}, *serial_);
+  }
 }
 
 void Pipeline::stop() {
   stopping_ = true;
   threads_.clear();
+  serial_thread_.reset();
 }
 
 bool Pipeline::is_fifo() const {
@@ -95,7 +107,7 @@ std::vector<MemoryItem> memory_plan(const Configuration& configuration) {
       {"map, fine cells", odometry.map.max_cells, sizeof(map::PointCell) + 32 + 2 * sizeof(std::uint32_t)},
       {"map, coarse cells", odometry.map.max_surface_cells + odometry.map.max_surface_cells / 6,
        sizeof(map::SurfaceCell) + 32 + 2 * sizeof(std::uint32_t)},
-      {"thread stacks", 4, threads::RealTimeThread::kStackBytes},
+      {"thread stacks", configuration.imu.source == "serial" ? 5U : 4U, threads::RealTimeThread::kStackBytes},
   };
 }
 

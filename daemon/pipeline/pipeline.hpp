@@ -12,6 +12,7 @@
 #include "daemon/pipeline/publish_loop.hpp"
 #include "daemon/pipeline/receive_loop.hpp"
 #include "daemon/pipeline/rings.hpp"
+#include "daemon/pipeline/serial_loop.hpp"
 #include "daemon/threads/real_time_thread.hpp"
 
 namespace slamd::pipeline {
@@ -22,6 +23,7 @@ namespace slamd::pipeline {
 ///                      │  └──inertial──────▲   ▲───feedback───┘                   ▲
 ///                      └──inertial────────────────────────────────────────────────┘
 ///
+/// A serial port is opened, set and given up by a thread of its own, which may block; receive reads from it meanwhile.
 /// Rings and pools: rings.hpp says how long each is and what happens when it is full. A late odometry takes the newest
 /// scan; nothing waits for anything that comes after it.
 /// Housekeeping (the caller's thread) reads counts and events, and sets the map's placement.
@@ -98,9 +100,14 @@ class Pipeline {
     drain("preprocess", preprocess_.events());
     drain("odometry", odometry_.events());
     drain("publish", publish_.events());
+    if (serial_) {
+      drain("serial", serial_->events());
+    }
   }
 
  private:
+  template <typename Loop>
+  std::unique_ptr<threads::RealTimeThread> thread(const char* name, threads::Scheduling scheduling, Loop& loop);
   template <typename Loop>
   void run(const char* name, int priority, Loop& loop);
 
@@ -112,8 +119,11 @@ class Pipeline {
   PreprocessLoop preprocess_;
   OdometryLoop odometry_;
   PublishLoop publish_;
+  std::unique_ptr<SerialLoop> serial_;  // where the inertial sensor has a serial port
   std::atomic<bool> stopping_{false};  // written by stop(), read by all threads
-  std::vector<std::unique_ptr<threads::RealTimeThread>> threads_;  // last: they end before what they work on
+  // Last: they end before what they work on.
+  std::vector<std::unique_ptr<threads::RealTimeThread>> threads_;
+  std::unique_ptr<threads::RealTimeThread> serial_thread_;
 };
 
 /// A pool, ring or table and what it takes.

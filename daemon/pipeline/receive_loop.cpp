@@ -7,6 +7,8 @@
 #include <sys/epoll.h>
 #include <unistd.h>
 
+#include "daemon/pipeline/serial_loop.hpp"
+
 namespace slamd::pipeline {
 
 using configuration::Configuration;
@@ -20,7 +22,6 @@ using transport::UdpReceiver;
 namespace {
 
 constexpr Duration kShowPeriod = std::chrono::milliseconds(100);
-constexpr Duration kSerialRetry = std::chrono::milliseconds(500);
 /// Silent for so long, the sensor may come back with another address.
 constexpr Duration kForgetSource = std::chrono::seconds(3);
 
@@ -56,7 +57,7 @@ std::unique_ptr<UdpReceiver> receiver(const Configuration& configuration, std::u
 }  // namespace
 
 ReceiveLoop::ReceiveLoop(const Configuration& configuration, const transport::HostClock& clock, Rings& rings)
-    : clock_(clock), rings_(rings), packets_(configuration), imu_clock_(imu_clock_config(configuration)) {
+    : clock_(clock), rings_(rings), packets_(configuration), imu_stream_(protocol_of(configuration.imu.protocol)), imu_clock_(imu_clock_config(configuration)) {
   if (configuration.lidar.model == LidarModel::kPoints) {
     throw ConfigurationError("lidar.model = \"points\": a folder of clouds is for slamd-replay; slamd listens to sensors");
   }
@@ -88,11 +89,9 @@ void ReceiveLoop::open_imu(const Configuration& configuration, const transport::
     imu_udp_ = std::make_unique<UdpReceiver>(config, clock);
     watch(imu_udp_->fd(), kImu);
   } else if (source == "serial") {
-    transport::SerialPortConfig config;
-    config.device = configuration.imu.device;
-    config.baud = configuration.imu.baud;
-    imu_serial_ = std::make_unique<transport::SerialPort>(config);
-    open_serial();
+    serial_ = std::make_unique<SerialLine>(configuration.imu.device);
+    mends_silence_ = configuration.imu.baud == 0 || configuration.imu.rate_hz != 0;
+    watch(serial_->handed_fd(), kSerial);
   } else {
     throw ConfigurationError("imu.source = \"" + source + "\": a file is for slamd-replay; slamd takes livox, udp or serial");
   }
@@ -115,12 +114,13 @@ void ReceiveLoop::run_once(Duration longest) {
     switch (events[static_cast<std::size_t>(i)].data.u32) {
       case kLidar: receive_lidar(*lidar_); break;
       case kSecond: receive_lidar(*second_); break;
+      case kSerial: take_serial(); break;
       default: receive_imu(); break;
     }
   }
   const Stamp now = clock_.now();
-  if (imu_serial_ && !imu_serial_->is_open() && now >= next_serial_try_) {
-    open_serial();
+  if (has_serial_ && mends_silence_ && now - std::max(counts_.imu.last, serial_since_) > kSerialSilent) {
+    return_serial();
   }
   if (now - last_shown_ >= kShowPeriod) {
     show(now);
@@ -176,7 +176,7 @@ void ReceiveLoop::pin(std::uint32_t source_address) {
 }
 
 void ReceiveLoop::receive_imu() {
-  if (imu_serial_) {
+  if (serial_) {
     read_serial();
     return;
   }
@@ -188,29 +188,41 @@ void ReceiveLoop::receive_imu() {
   });
 }
 
+void ReceiveLoop::take_serial() {
+  if (!serial_->take() || has_serial_) {
+    return;
+  }
+  has_serial_ = true;
+  serial_since_ = clock_.now();
+  read_serial(serial_->rest());
+  watch(serial_->port().fd(), kImu);
+}
+
 void ReceiveLoop::read_serial() {
-  const auto bytes = imu_serial_->read();
-  if (!bytes.empty()) {
-    imu_rows_.add_stream(bytes, clock_.now(), [&](const sensor::ImuReading& reading) { take_reading(reading); });
-  } else if (!imu_serial_->is_open()) {
-    events_.write(clock_.now(), Event::kSerialLost);
-    next_serial_try_ = clock_.now() + kSerialRetry;
+  if (!has_serial_) {
+    return;  // was given back in this very round
+  }
+  read_serial(serial_->port().read());
+  if (serial_->port().is_gone()) {
+    return_serial();
   }
 }
 
-void ReceiveLoop::open_serial() {
-  const int error = imu_serial_->open();
-  if (error == 0) {
-    imu_rows_.restart_stream();
-    watch(imu_serial_->fd(), kImu);
-    events_.write(clock_.now(), Event::kSerialOpen);
-  }
-  next_serial_try_ = clock_.now() + kSerialRetry;
+void ReceiveLoop::read_serial(std::span<const std::byte> bytes) {
+  imu_stream_.add(bytes, clock_.now(), [&](const sensor::ImuReading& reading) { take_reading(reading); });
+}
+
+void ReceiveLoop::return_serial() {
+  epoll_ctl(epoll_, EPOLL_CTL_DEL, serial_->port().fd(), nullptr);
+  imu_stream_.finish(clock_.now(), [&](const sensor::ImuReading& reading) { take_reading(reading); });
+  has_serial_ = false;
+  serial_->give_back();
 }
 
 void ReceiveLoop::take_reading(const sensor::ImuReading& reading) {
   ++counts_.imu.received;
   counts_.imu.last = reading.received;
+  imu_units_.add(reading);
   hand_on({{imu_clock_.map(reading.device_stamp, reading.received), reading.angular_rate_radps, reading.specific_force_mps2},
            reading.received});
 }
@@ -271,6 +283,11 @@ void ReceiveLoop::show(Stamp now) {
   for (std::size_t i = 1; i < imu::kRowResults; ++i) {
     counts_.imu.dropped += rows.rows[i];
   }
+  const imu::StreamSummary stream = imu_stream_.summary();
+  counts_.imu.dropped += stream.refused;
+  counts_.imu.missing = stream.missing;
+  counts_.samples_clipped = stream.clipped;
+  counts_.imu_units = imu_units_.units();
   shown_.store(counts_);
 }
 
@@ -291,6 +308,24 @@ stages::NamedCounts ReceiveLoop::packets() const {
   add("refused_foreign_source", sum.foreign_source);
   add("refused_truncated", sum.truncated);
   add("lost_in_the_kernel", sum.kernel_lost);
+  return counts;
+}
+
+stages::NamedCounts ReceiveLoop::inertial() const {
+  stages::NamedCounts counts;
+  const auto add = [&](const char* name, std::uint64_t count) {
+    if (count != 0) {
+      counts.emplace_back(name, count);
+    }
+  };
+  if (imu_udp_) {
+    const imu::RowCounters rows = imu_rows_.counters();
+    for (std::size_t i = 0; i < imu::kRowResults; ++i) {
+      add(i == 0 ? "sample" : imu::name_of(static_cast<imu::RowResult>(i)), rows.rows[i]);
+    }
+  } else if (serial_) {
+    imu_stream_.each_count(add);
+  }
   return counts;
 }
 

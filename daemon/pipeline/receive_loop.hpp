@@ -4,6 +4,7 @@
 #include <atomic>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -11,12 +12,13 @@
 #include "core/sensor/clock_model.hpp"
 #include "daemon/configuration/configuration.hpp"
 #include "daemon/pipeline/rings.hpp"
+#include "daemon/pipeline/serial_line.hpp"
 #include "daemon/stages/packet_stage.hpp"
 #include "daemon/threads/event_ring.hpp"
 #include "daemon/threads/stage_monitor.hpp"
-#include "drivers/imu/csv_rows.hpp"
+#include "drivers/imu/imu_stream.hpp"
+#include "drivers/imu/unit_watch.hpp"
 #include "drivers/transport/host_clock.hpp"
-#include "drivers/transport/serial_port.hpp"
 #include "drivers/transport/udp_receiver.hpp"
 
 namespace slamd::pipeline {
@@ -26,6 +28,7 @@ struct SensorCounts {
   std::uint64_t received = 0;     // packets (LiDAR) or samples (imu) of use
   std::uint64_t dropped = 0;      // came, and could not be used
   std::uint64_t kernel_lost = 0;  // dropped in the kernel
+  std::uint64_t missing = 0;      // sent and never come, by the sensor's own count
   Stamp last{};                   // arrival of the newest; zero: never
   std::uint64_t clock_steps = 0;
   double clock_skew = 0.0;
@@ -39,15 +42,20 @@ struct ReceiveCounts {
   std::uint64_t positions = 0;         // good position packets
   std::uint64_t blocks_dropped = 0;    // no free block
   std::uint64_t samples_dropped = 0;   // a ring to a late thread was full
+  std::uint64_t samples_clipped = 0;   // at the sensor's limits, as it says itself
+  imu::Units imu_units = imu::Units::kUnknown;
 };
 
 /// The receive thread: datagrams and serial bytes to blocks and inertial samples on the time base.
 /// Threads: run_once() by one; counts() by any.
-/// Real-time: allocates in the constructor only; never blocks but in epoll.
+/// Real-time: allocates in the constructor only; never blocks but in epoll. A serial port is opened and closed
+/// by a SerialLoop, for that may block; see serial_line().
 class ReceiveLoop {
  public:
   /// A sensor that is silent for longer than this is said to be.
   static constexpr Duration kSilent = std::chrono::milliseconds(500);
+  /// A serial port that is silent for longer than this is handed back, where that may help.
+  static constexpr Duration kSerialSilent = std::chrono::seconds(2);
 
   /// Binds the sockets. Errors: transport::TransportError, configuration::ConfigurationError.
   ReceiveLoop(const configuration::Configuration& configuration, const transport::HostClock& clock, Rings& rings);
@@ -62,6 +70,9 @@ class ReceiveLoop {
   /// Any thread; it counts within 100 ms.
   void set_device(std::uint32_t address) { device_address_.store(address, std::memory_order_relaxed); }
 
+  /// The inertial sensor's port, which a SerialLoop must serve; nullptr without one.
+  SerialLine* serial_line() { return serial_.get(); }
+
   ReceiveCounts counts() const { return shown_.load().value_or(ReceiveCounts{}); }
   threads::EventRing& events() { return events_; }
   const threads::StageMonitor& monitor() const { return monitor_; }
@@ -70,11 +81,14 @@ class ReceiveLoop {
   stages::NamedCounts packets() const;
   std::vector<std::string> remarks() const { return packets_.remarks(); }
 
+  /// Likewise: what a port of its own has brought of the inertial sensor, by what became of it; empty without one.
+  stages::NamedCounts inertial() const;
+
   /// Says in words what is wrong with the receive buffers; empty: nothing.
   std::string buffer_remark() const;
 
  private:
-  enum Source : std::uint32_t { kLidar, kSecond, kImu };
+  enum Source : std::uint32_t { kLidar, kSecond, kImu, kSerial };
 
   void open_imu(const configuration::Configuration& configuration, const transport::HostClock& clock);
   void watch(int fd, Source source);
@@ -82,8 +96,10 @@ class ReceiveLoop {
   void pin(std::uint32_t source_address);
   void take_packet(const transport::Datagram& datagram, transport::UdpReceiver& receiver);
   void receive_imu();
+  void take_serial();
   void read_serial();
-  void open_serial();
+  void read_serial(std::span<const std::byte> bytes);
+  void return_serial();
   void take_reading(const sensor::ImuReading& reading);
   void hand_on(const ImuArrival& arrival);
   void show(Stamp now);
@@ -95,14 +111,18 @@ class ReceiveLoop {
   std::unique_ptr<transport::UdpReceiver> lidar_;
   std::unique_ptr<transport::UdpReceiver> second_;  // where it has a port of its own
   std::unique_ptr<transport::UdpReceiver> imu_udp_;
-  std::unique_ptr<transport::SerialPort> imu_serial_;
-  imu::CsvRows imu_rows_;
+  std::unique_ptr<SerialLine> serial_;
+  imu::CsvRows imu_rows_;      // of "udp"
+  imu::ImuStream imu_stream_;  // of "serial"
+  imu::UnitWatch imu_units_;
   sensor::ClockModel imu_clock_;
   int epoll_ = -1;
   bool takes_livox_imu_ = false;
   bool lidar_heard_ = false;
   bool imu_heard_ = false;
-  Stamp next_serial_try_{};
+  bool has_serial_ = false;  // this thread has the port
+  bool mends_silence_ = false;
+  Stamp serial_since_{};
   Stamp last_shown_{};
   std::uint64_t other_packets_ = 0;
   std::uint64_t blocks_dropped_said_ = 0;

@@ -266,6 +266,9 @@ int serve(const Configuration& configuration) {
   housekeeping.run_once();
   housekeeping.finish();
   log_counts("packets", pipeline.receive().packets());
+  if (const stages::NamedCounts inertial = pipeline.receive().inertial(); !inertial.empty()) {
+    log_counts("inertial", inertial);
+  }
   log_counts("blocks", stages::named_counts(pipeline.preprocess().assembler_counts()));
   for (const std::string& remark : pipeline.receive().remarks()) {
     spdlog::info("{}", remark);

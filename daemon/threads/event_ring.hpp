@@ -14,8 +14,15 @@ enum class Event : std::uint8_t {
   kLidarSilent,
   kImuHeard,
   kImuSilent,
-  kSerialLost,          // value: errno
+  kSerialLost,
   kSerialOpen,
+  kSerialRefused,       // value: errno of what failed
+  kSerialSilent,        // opened anew, for nothing comes
+  kSerialFound,         // value: rate in baud
+  kImuConfigured,       // value: samples a second
+  kImuRefused,          // value: the sensor's error code
+  kImuTakenAsItIs,
+  kImuMute,
   kBlockPoolEmpty,      // value: blocks dropped so far
   kScanDropped,         // value: scans dropped so far, no free job
   kScanSkipped,         // value: scans skipped so far, the odometry was late

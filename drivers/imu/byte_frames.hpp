@@ -49,11 +49,17 @@ class ByteFrames {
       std::copy_n(bytes.begin(), piece, buffer_.begin() + static_cast<std::ptrdiff_t>(size_));
       size_ += piece;
       bytes = bytes.subspan(piece);
-      take_frames(visit);
+      take_frames(visit, false);
     }
   }
 
-  /// Forgets the beginning in hand: the stream was interrupted.
+  /// Ends the stream: what is in hand becomes no frame any more, but there may be whole ones in it.
+  template <typename Visit>
+  void finish(Visit&& visit) {
+    take_frames(visit, true);
+  }
+
+  /// Forgets what is in hand: the stream was interrupted.
   void restart() {
     skipped_bytes_.add(size_);
     size_ = 0;
@@ -68,12 +74,12 @@ class ByteFrames {
 
  private:
   template <typename Visit>
-  void take_frames(Visit& visit) {
+  void take_frames(Visit& visit, bool is_end) {
     std::size_t at = 0;
     while (at < size_) {
       const std::span<const std::byte> rest(buffer_.data() + at, size_ - at);
       const FrameView view = Protocol::inspect(rest);
-      if (view.verdict == FrameVerdict::kNeedsMore) {
+      if (view.verdict == FrameVerdict::kNeedsMore && !is_end) {
         break;
       }
       if (view.verdict == FrameVerdict::kFrame) {

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "drivers/imu/inertial_result.hpp"
+
 namespace slamd::imu {
 
 namespace {
@@ -52,7 +54,7 @@ RowResult parse(std::string_view row, sensor::ImuReading& reading) {
   reading.device_stamp = DeviceStamp{} + Duration(stamp_ns);
   reading.angular_rate_radps = {values[0], values[1], values[2]};
   reading.specific_force_mps2 = {values[3], values[4], values[5]};
-  return RowResult::kOk;
+  return judge(reading) == InertialResult::kSample ? RowResult::kOk : RowResult::kOutOfRange;
 }
 
 }  // namespace
@@ -63,6 +65,7 @@ const char* name_of(RowResult result) {
     case RowResult::kWrongColumns: return "wrong_columns";
     case RowResult::kNotANumber: return "not_a_number";
     case RowResult::kStampOutOfRange: return "stamp_out_of_range";
+    case RowResult::kOutOfRange: return "out_of_range";
     case RowResult::kTooLong: return "too_long";
     case RowResult::kFragment: return "fragment";
   }

@@ -17,11 +17,12 @@ enum class RowResult : std::uint8_t {
   kWrongColumns,     // not 7, nor 8 with a temperature
   kNotANumber,       // or an infinite one
   kStampOutOfRange,  // negative, or beyond the year 2116
+  kOutOfRange,       // as InertialResult has it
   kTooLong,          // no line end within kMaxRowBytes
   kFragment,         // what a stream showed of its first row: where it began is not known
 };
 
-inline constexpr std::size_t kRowResults = 6;
+inline constexpr std::size_t kRowResults = 7;
 
 /// Names a result as reports and health spell it.
 const char* name_of(RowResult result);

@@ -15,18 +15,7 @@ constexpr std::size_t kHeaderBytes = 4;
 constexpr std::size_t kChecksumBytes = 2;
 constexpr double kStandardGravity_mps2 = 9.80665;
 
-constexpr std::uint8_t kBaseCommands = 0x01;
-constexpr std::uint8_t kSensorCommands = 0x0C;
-constexpr std::uint8_t kSensorData = 0x80;
-constexpr std::uint8_t kAckField = 0xF1;
-
-constexpr std::uint8_t kAcceleration = 0x04;
-constexpr std::uint8_t kTurnRate = 0x05;
-constexpr std::uint8_t kGpsTimestamp = 0x12;
-constexpr std::uint8_t kOverrange = 0x18;
 constexpr std::uint8_t kGpsTime = 0xD3;
-constexpr std::uint8_t kReferenceTime = 0xD5;
-constexpr std::uint8_t kDeltaReferenceTime = 0xD6;
 
 constexpr std::uint64_t kLatest_ns = std::uint64_t{1} << 62;  // half the range: differences do not overflow
 constexpr double kWeek_s = 604'800.0;
@@ -114,31 +103,58 @@ bool MipFields::next(MipField& field) {
 }
 
 MipBytes write_message_format(std::span<const MipOutput> outputs) {
-  constexpr std::uint8_t kMessageFormat = 0x0F;
-  constexpr std::uint8_t kSet = 0x01;
   std::array<std::byte, 255> raw{};
   const std::size_t size = 5 + 3 * outputs.size();
   SLAMD_ASSERT(size <= raw.size());
   store_be<std::uint8_t>(raw, 0, static_cast<std::uint8_t>(size));
-  store_be<std::uint8_t>(raw, 1, kMessageFormat);
-  store_be<std::uint8_t>(raw, 2, kSet);
-  store_be<std::uint8_t>(raw, 3, kSensorData);
+  store_be<std::uint8_t>(raw, 1, mip::kMessageFormat);
+  store_be<std::uint8_t>(raw, 2, mip::kSet);
+  store_be<std::uint8_t>(raw, 3, mip::kSensorData);
   store_be<std::uint8_t>(raw, 4, static_cast<std::uint8_t>(outputs.size()));
   for (std::size_t i = 0; i < outputs.size(); ++i) {
     store_be<std::uint8_t>(raw, 5 + 3 * i, outputs[i].descriptor);
     store_be<std::uint16_t>(raw, 6 + 3 * i, outputs[i].decimation);
   }
-  return write_mip({kSensorCommands, std::span(raw).first(size)});
+  return write_mip({mip::kSensorCommands, std::span(raw).first(size)});
+}
+
+MipBytes write_sample(std::span<const MipOutput> outputs, const MipSample& sample) {
+  std::array<std::byte, 255> payload{};
+  std::size_t size = 0;
+  const auto field = [&](std::uint8_t descriptor, std::size_t bytes) {
+    SLAMD_ASSERT(size + 2 + bytes <= payload.size());
+    store_be(payload, size, static_cast<std::uint8_t>(2 + bytes));
+    store_be(payload, size + 1, descriptor);
+    size += 2 + bytes;
+    return size - bytes;
+  };
+  const auto vector = [&](std::uint8_t descriptor, const Eigen::Vector3d& value) {
+    const std::size_t at = field(descriptor, 12);
+    for (Eigen::Index i = 0; i < 3; ++i) {
+      store_be(payload, at + 4 * static_cast<std::size_t>(i), static_cast<float>(value[i]));
+    }
+  };
+  for (const MipOutput& output : outputs) {
+    switch (output.descriptor) {
+      case mip::kReferenceTime: store_be(payload, field(output.descriptor, 8), sample.reference_time_ns); break;
+      case mip::kDeltaReferenceTime: store_be(payload, field(output.descriptor, 8), sample.since_last_ns); break;
+      case mip::kAcceleration: vector(output.descriptor, sample.specific_force_mps2 / kStandardGravity_mps2); break;
+      case mip::kTurnRate: vector(output.descriptor, sample.angular_rate_radps); break;
+      case mip::kOverrange: store_be(payload, field(output.descriptor, 2), std::uint16_t{sample.clipped}); break;
+      default: break;
+    }
+  }
+  return write_mip({mip::kSensorData, std::span(payload).first(size)});
 }
 
 std::optional<MipAck> ack_of(const MipPacket& packet) {
-  if (packet.set != kBaseCommands && packet.set != kSensorCommands) {
+  if (packet.set != mip::kBaseCommands && packet.set != mip::kSensorCommands) {
     return std::nullopt;
   }
   MipFields fields(packet.payload);
   MipField field;
   while (fields.next(field)) {
-    if (field.descriptor == kAckField && field.data.size() == 2) {
+    if (field.descriptor == mip::kAckField && field.data.size() == 2) {
       return MipAck{load_be<std::uint8_t>(field.data, 0), load_be<std::uint8_t>(field.data, 1)};
     }
   }
@@ -170,33 +186,33 @@ struct MipReader::Contents {
       return field.data.size() == bytes;
     };
     switch (field.descriptor) {
-      case kAcceleration:
+      case mip::kAcceleration:
         if (has(12)) {
           force_g = vector_at(field.data);
         }
         break;
-      case kTurnRate:
+      case mip::kTurnRate:
         if (has(12)) {
           rate_radps = vector_at(field.data);
         }
         break;
-      case kReferenceTime:
+      case mip::kReferenceTime:
         if (has(8) && load_be<std::uint64_t>(field.data, 0) < kLatest_ns) {
           reference = DeviceStamp{Duration{static_cast<std::int64_t>(load_be<std::uint64_t>(field.data, 0))}};
         }
         break;
-      case kDeltaReferenceTime:
+      case mip::kDeltaReferenceTime:
         if (has(8)) {
           delta_ns = load_be<std::uint64_t>(field.data, 0);
         }
         break;
-      case kGpsTimestamp:
+      case mip::kGpsTimestamp:
       case kGpsTime:
         if (has(12)) {
           gps = gps_time(field.data);
         }
         break;
-      case kOverrange:
+      case mip::kOverrange:
         for (const std::byte byte : field.data) {
           clipped = clipped || byte != std::byte{0};
         }
@@ -217,7 +233,7 @@ InertialResult MipReader::decode(const MipPacket& packet, sensor::ImuReading& re
   if (const std::optional<MipAck> ack = ack_of(packet); ack && ack->code != 0) {
     refusal_ = ack;
   }
-  if (packet.set != kSensorData) {
+  if (packet.set != mip::kSensorData) {
     return InertialResult::kOther;
   }
   const Contents contents(packet.payload);

@@ -53,6 +53,30 @@ class MipFields {
   bool malformed_ = false;
 };
 
+/// Numbers of sets, commands and fields. Source: imu-serial.md §B.2, §B.3.
+namespace mip {
+inline constexpr std::uint8_t kBaseCommands = 0x01;
+inline constexpr std::uint8_t kPing = 0x01;
+inline constexpr std::uint8_t kIdle = 0x02;
+inline constexpr std::uint8_t kResume = 0x06;
+
+inline constexpr std::uint8_t kSensorCommands = 0x0C;
+inline constexpr std::uint8_t kBaseRate = 0x0E;
+inline constexpr std::uint8_t kBaseRateReply = 0x8E;
+inline constexpr std::uint8_t kMessageFormat = 0x0F;
+inline constexpr std::uint8_t kDataStream = 0x11;
+inline constexpr std::uint8_t kSet = 0x01;  // as a function
+inline constexpr std::uint8_t kAckField = 0xF1;
+
+inline constexpr std::uint8_t kSensorData = 0x80;
+inline constexpr std::uint8_t kAcceleration = 0x04;
+inline constexpr std::uint8_t kTurnRate = 0x05;
+inline constexpr std::uint8_t kGpsTimestamp = 0x12;
+inline constexpr std::uint8_t kOverrange = 0x18;
+inline constexpr std::uint8_t kReferenceTime = 0xD5;
+inline constexpr std::uint8_t kDeltaReferenceTime = 0xD6;
+}  // namespace mip
+
 /// One entry of a message format: what is sent, at the base rate over decimation.
 struct MipOutput {
   std::uint8_t descriptor = 0;
@@ -61,6 +85,19 @@ struct MipOutput {
 
 /// Writes what a device is to send in its set of sensor data.
 MipBytes write_message_format(std::span<const MipOutput> outputs);
+
+/// A sample as a device has it.
+struct MipSample {
+  std::uint64_t reference_time_ns = 0;
+  std::uint64_t since_last_ns = 0;
+  Eigen::Vector3d specific_force_mps2 = Eigen::Vector3d::Zero();
+  Eigen::Vector3d angular_rate_radps = Eigen::Vector3d::Zero();
+  bool clipped = false;
+};
+
+/// Writes the packet of a sample with the fields that are asked for, in their order; those that a MipSample does not
+/// have are left out. For emulators and tests.
+MipBytes write_sample(std::span<const MipOutput> outputs, const MipSample& sample);
 
 /// The device's answer to a command.
 struct MipAck {
@@ -82,19 +119,17 @@ class MipReader {
   /// Takes the next bytes; calls visit(const sensor::ImuReading&) for each sample.
   template <typename Visit>
   void add(std::span<const std::byte> bytes, Stamp received, Visit&& visit) {
-    frames_.add(bytes, [&](std::span<const std::byte> frame) {
-      sensor::ImuReading reading;
-      if (take(Mip::parse(frame), reading) == InertialResult::kSample) {
-        reading.received = received;
-        visit(static_cast<const sensor::ImuReading&>(reading));
-      }
-    });
+    frames_.add(bytes, [&](std::span<const std::byte> frame) { take(frame, received, visit); });
+  }
+
+  /// Ends the stream, which was interrupted: calls visit() for the samples that were still in hand.
+  template <typename Visit>
+  void finish(Stamp received, Visit&& visit) {
+    frames_.finish([&](std::span<const std::byte> frame) { take(frame, received, visit); });
   }
 
   /// Decodes one packet; counts what became of it.
   InertialResult take(const MipPacket& packet, sensor::ImuReading& reading);
-
-  void restart_stream() { frames_.restart(); }
 
   std::size_t pending() const { return frames_.pending(); }
   StreamCounters stream() const { return frames_.counters(); }
@@ -105,6 +140,15 @@ class MipReader {
 
  private:
   struct Contents;
+
+  template <typename Visit>
+  void take(std::span<const std::byte> frame, Stamp received, Visit& visit) {
+    sensor::ImuReading reading;
+    if (take(Mip::parse(frame), reading) == InertialResult::kSample) {
+      reading.received = received;
+      visit(static_cast<const sensor::ImuReading&>(reading));
+    }
+  }
 
   InertialResult decode(const MipPacket& packet, sensor::ImuReading& reading);
   void note_gap(DeviceStamp stamp, std::optional<std::uint64_t> delta_ns);

@@ -1,6 +1,7 @@
 #include "drivers/imu/xsens.hpp"
 
 #include <bit>
+#include <cmath>
 
 #include "core/base/assert.hpp"
 #include "core/base/bytes.hpp"
@@ -18,18 +19,34 @@ constexpr std::size_t kLongestData = 2048;
 
 constexpr std::uint16_t kTypeBits = 0xF8F0;
 constexpr std::uint16_t kFormatBits = 0x0003;
-constexpr std::uint16_t kPacketCounter = 0x1020;
-constexpr std::uint16_t kSampleTimeFine = 0x1060;
-constexpr std::uint16_t kAcceleration = 0x4020;
 constexpr std::uint16_t kAccelerationHighRate = 0x4040;
-constexpr std::uint16_t kRateOfTurn = 0x8020;
 constexpr std::uint16_t kRateOfTurnHighRate = 0x8040;
-constexpr std::uint16_t kStatusWord = 0xE020;
 constexpr std::uint32_t kClipping = 1U << 19;
 constexpr Duration kTick = std::chrono::microseconds{100};
 
 /// What a number of each format takes.
 constexpr std::size_t kNumberBytes[] = {4, 4, 6, 8};
+
+/// Writes what number_at() reads.
+void store_number(std::span<std::byte> data, std::size_t at, std::uint8_t format, double value) {
+  switch (format) {
+    case 0:
+      store_be(data, at, static_cast<float>(value));
+      break;
+    case 1:
+      store_be(data, at, static_cast<std::int32_t>(std::llround(value * 1048576.0)));
+      break;
+    case 2: {
+      const auto fixed = static_cast<std::int64_t>(std::llround(value * 4294967296.0));
+      store_be(data, at, static_cast<std::uint32_t>(fixed & 0xFFFFFFFF));
+      store_be(data, at + 4, static_cast<std::int16_t>(fixed >> 32));
+      break;
+    }
+    default:
+      store_be(data, at, value);
+      break;
+  }
+}
 
 double number_at(std::span<const std::byte> data, std::size_t at, std::uint8_t format) {
   switch (format) {
@@ -139,6 +156,37 @@ XbusBytes write_output_configuration(std::span<const XsensOutput> outputs) {
   return write_xbus({xbus::kSetOutputConfiguration, std::span(data).first(4 * outputs.size())});
 }
 
+XbusBytes write_sample(std::span<const XsensOutput> outputs, const XsensSample& sample) {
+  std::array<std::byte, 254> data{};
+  std::size_t size = 0;
+  const auto item = [&](std::uint16_t id, std::size_t bytes) {
+    SLAMD_ASSERT(size + 3 + bytes <= data.size());
+    store_be(data, size, id);
+    store_be(data, size + 2, static_cast<std::uint8_t>(bytes));
+    size += 3 + bytes;
+    return size - bytes;
+  };
+  const auto vector = [&](std::uint16_t id, const Eigen::Vector3d& value) {
+    const auto format = static_cast<std::uint8_t>(id & kFormatBits);
+    const std::size_t bytes = kNumberBytes[format];
+    const std::size_t at = item(id, 3 * bytes);
+    for (Eigen::Index i = 0; i < 3; ++i) {
+      store_number(data, at + static_cast<std::size_t>(i) * bytes, format, value[i]);
+    }
+  };
+  for (const XsensOutput& output : outputs) {
+    switch (output.data_id & kTypeBits) {
+      case mt::kPacketCounter: store_be(data, item(output.data_id, 2), sample.count); break;
+      case mt::kSampleTimeFine: store_be(data, item(output.data_id, 4), sample.ticks); break;
+      case mt::kAcceleration: vector(output.data_id, sample.specific_force_mps2); break;
+      case mt::kRateOfTurn: vector(output.data_id, sample.angular_rate_radps); break;
+      case mt::kStatusWord: store_be(data, item(output.data_id, 4), sample.clipped ? kClipping : 0U); break;
+      default: break;
+    }
+  }
+  return write_xbus({xbus::kMtData2, std::span(data).first(size)});
+}
+
 std::optional<std::array<double, 3>> MtItem::as_vector() const {
   const std::size_t bytes = kNumberBytes[format];
   if (data.size() != 3 * bytes) {
@@ -185,29 +233,29 @@ struct XsensReader::Contents {
 
   void add(const MtItem& item) {
     switch (item.type) {
-      case kAcceleration:
+      case mt::kAcceleration:
       case kAccelerationHighRate:
         force_mps2 = item.as_vector();
         malformed = malformed || !force_mps2;
         break;
-      case kRateOfTurn:
+      case mt::kRateOfTurn:
       case kRateOfTurnHighRate:
         rate_radps = item.as_vector();
         malformed = malformed || !rate_radps;
         break;
-      case kSampleTimeFine:
+      case mt::kSampleTimeFine:
         malformed = malformed || item.data.size() != 4;
         if (item.data.size() == 4) {
           ticks = load_be<std::uint32_t>(item.data, 0);
         }
         break;
-      case kPacketCounter:
+      case mt::kPacketCounter:
         malformed = malformed || item.data.size() != 2;
         if (item.data.size() == 2) {
           count = load_be<std::uint16_t>(item.data, 0);
         }
         break;
-      case kStatusWord:
+      case mt::kStatusWord:
         clipped = item.data.size() == 4 && (load_be<std::uint32_t>(item.data, 0) & kClipping) != 0;
         break;
       default:

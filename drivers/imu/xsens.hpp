@@ -30,6 +30,16 @@ inline constexpr std::uint8_t kError = 0x42;
 inline constexpr std::uint8_t kSetOutputConfiguration = 0xC0;
 }  // namespace xbus
 
+/// What SetOutputConfiguration asks for; the two lowest bits choose the number format. Source: imu-serial.md §A.3.
+namespace mt {
+inline constexpr std::uint16_t kPacketCounter = 0x1020;
+inline constexpr std::uint16_t kSampleTimeFine = 0x1060;
+inline constexpr std::uint16_t kAcceleration = 0x4020;
+inline constexpr std::uint16_t kRateOfTurn = 0x8020;
+inline constexpr std::uint16_t kStatusWord = 0xE020;
+inline constexpr std::uint16_t kFastest = 0xFFFF;  // as a rate: with each message
+}  // namespace mt
+
 /// How XBus frames the messages of a device on a line of its own, for ByteFrames.
 struct Xbus {
   static constexpr std::size_t kLongest = 2048 + 7;
@@ -54,6 +64,19 @@ struct XsensOutput {
 
 /// Writes what a device is to send.
 XbusBytes write_output_configuration(std::span<const XsensOutput> outputs);
+
+/// A sample as a device has it.
+struct XsensSample {
+  std::uint16_t count = 0;
+  std::uint32_t ticks = 0;  // of 0.1 ms
+  Eigen::Vector3d specific_force_mps2 = Eigen::Vector3d::Zero();
+  Eigen::Vector3d angular_rate_radps = Eigen::Vector3d::Zero();
+  bool clipped = false;
+};
+
+/// Writes the MTData2 message of a sample with the items that are asked for, in their order and number formats; those
+/// that an XsensSample does not have are left out. For emulators and tests.
+XbusBytes write_sample(std::span<const XsensOutput> outputs, const XsensSample& sample);
 
 /// One item of an MTData2 message. Source: imu-serial.md §A.3.
 struct MtItem {
@@ -94,19 +117,17 @@ class XsensReader {
   /// Takes the next bytes; calls visit(const sensor::ImuReading&) for each sample.
   template <typename Visit>
   void add(std::span<const std::byte> bytes, Stamp received, Visit&& visit) {
-    frames_.add(bytes, [&](std::span<const std::byte> frame) {
-      sensor::ImuReading reading;
-      if (take(Xbus::parse(frame), reading) == InertialResult::kSample) {
-        reading.received = received;
-        visit(static_cast<const sensor::ImuReading&>(reading));
-      }
-    });
+    frames_.add(bytes, [&](std::span<const std::byte> frame) { take(frame, received, visit); });
+  }
+
+  /// Ends the stream, which was interrupted: calls visit() for the samples that were still in hand.
+  template <typename Visit>
+  void finish(Stamp received, Visit&& visit) {
+    frames_.finish([&](std::span<const std::byte> frame) { take(frame, received, visit); });
   }
 
   /// Decodes one message; counts what became of it.
   InertialResult take(const XbusMessage& message, sensor::ImuReading& reading);
-
-  void restart_stream() { frames_.restart(); }
 
   std::size_t pending() const { return frames_.pending(); }
   StreamCounters stream() const { return frames_.counters(); }
@@ -117,6 +138,15 @@ class XsensReader {
 
  private:
   struct Contents;
+
+  template <typename Visit>
+  void take(std::span<const std::byte> frame, Stamp received, Visit& visit) {
+    sensor::ImuReading reading;
+    if (take(Xbus::parse(frame), reading) == InertialResult::kSample) {
+      reading.received = received;
+      visit(static_cast<const sensor::ImuReading&>(reading));
+    }
+  }
 
   InertialResult decode(const XbusMessage& message, sensor::ImuReading& reading);
   std::optional<DeviceStamp> stamp_of(const Contents& contents);

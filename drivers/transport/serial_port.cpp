@@ -9,6 +9,7 @@
 #include <cerrno>
 #include <system_error>
 
+#include "core/base/assert.hpp"
 #include "drivers/transport/transport_error.hpp"
 
 namespace slamd::transport {
@@ -71,9 +72,9 @@ void ask_for_low_latency(int fd) {
 bool SerialPort::is_standard_rate(int baud) { return speed_of(baud) != B0; }
 
 SerialPort::SerialPort(const SerialPortConfig& config)
-    : device_(config.device), speed_(speed_of(config.baud)), buffer_(config.buffer_bytes) {
-  if (speed_ == B0) {
-    throw TransportError("serial port " + device_ + ": " + std::to_string(config.baud) + " baud is no standard rate");
+    : device_(config.device), baud_(config.baud), buffer_(config.buffer_bytes) {
+  if (!is_standard_rate(baud_)) {
+    throw TransportError("serial port " + device_ + ": " + std::to_string(baud_) + " baud is no standard rate");
   }
 }
 
@@ -85,7 +86,7 @@ int SerialPort::open() {
   if (fd_ < 0) {
     return errno;
   }
-  if (const int error = make_raw(fd_, speed_); error != 0) {
+  if (const int error = make_raw(fd_, speed_of(baud_)); error != 0) {
     close();
     return error;
   }
@@ -98,10 +99,22 @@ void SerialPort::close() {
     ::close(fd_);
     fd_ = -1;
   }
+  gone_ = false;
+}
+
+int SerialPort::set_baud(int baud) {
+  SLAMD_ASSERT(is_standard_rate(baud));
+  baud_ = baud;
+  if (!is_open()) {
+    return 0;
+  }
+  const int error = make_raw(fd_, speed_of(baud_));
+  tcflush(fd_, TCIFLUSH);
+  return error;
 }
 
 std::span<const std::byte> SerialPort::read() {
-  if (!is_open()) {
+  if (!is_open() || gone_) {
     return {};
   }
   const ssize_t bytes = ::read(fd_, buffer_.data(), buffer_.size());
@@ -109,9 +122,17 @@ std::span<const std::byte> SerialPort::read() {
     return std::span(buffer_).first(static_cast<std::size_t>(bytes));
   }
   if (bytes == 0 || (errno != EAGAIN && errno != EINTR)) {
-    close();  // end of file, EIO, ENXIO: the device has gone
+    gone_ = true;  // end of file, EIO, ENXIO
   }
   return {};
+}
+
+std::size_t SerialPort::write(std::span<const std::byte> bytes) {
+  if (!is_open() || gone_ || bytes.empty()) {
+    return 0;
+  }
+  const ssize_t written = ::write(fd_, bytes.data(), bytes.size());
+  return written > 0 ? static_cast<std::size_t>(written) : 0;
 }
 
 std::string SerialPort::explain(int error) const {

@@ -40,7 +40,7 @@ void declare(CLI::App& app, Options& options) {
       app.add_option("--to-network", options.to_network, "HOST[:DATA_PORT[:POSITION_PORT]]: send the packets there with their timing instead of mapping them")
           ->excludes("--out", "--compare");
   app.add_option("--speed", options.speed, "With --to-network: times real time; 0: as fast as it goes")->needs(to_network);
-  app.add_option("--imu-to", options.imu_to, "With --to-network: where the rows of imu.csv go, udp:HOST:PORT or pty:LINKPATH")->needs(to_network);
+  app.add_option("--imu-to", options.imu_to, "With --to-network: where the rows of imu.csv go: udp:HOST:PORT, pty:LINKPATH, or as an emulated sensor sends them, xsens:LINKPATH, mip:LINKPATH")->needs(to_network);
   app.add_flag("--json", options.json, "Print the report as JSON instead of the summary");
   app.add_flag("--print-config", options.print_configuration, "Print the complete configuration and exit");
   app.add_flag_callback(

@@ -15,6 +15,7 @@
 #include <cmath>
 #include <cstdio>
 #include <ctime>
+#include <optional>
 #include <stdexcept>
 #include <system_error>
 #include <vector>
@@ -78,18 +79,17 @@ std::vector<std::string> split(const std::string& text) {
   return parts;
 }
 
-/// A sample as a row of the canonical CSV, which reads back to the same bits.
-std::string_view row_of(const ImuSample& sample, std::array<char, 256>& buffer) {
-  char* const end = buffer.data() + buffer.size();
-  char* at = std::to_chars(buffer.data(), end, sample.stamp.time_since_epoch().count()).ptr;
-  for (const Eigen::Vector3d* vector : {&sample.angular_rate_radps, &sample.specific_force_mps2}) {
-    for (const double value : *vector) {
-      *at++ = ',';
-      at = std::to_chars(at, end, value).ptr;
+/// What comes out of a terminal of this kind.
+std::optional<imu::Protocol> protocol_of(const std::string& kind) {
+  if (kind == "pty") {
+    return imu::Protocol::kCsv;
+  }
+  for (const imu::Protocol protocol : {imu::Protocol::kXsens, imu::Protocol::kMip}) {
+    if (kind == name_of(protocol)) {
+      return protocol;
     }
   }
-  *at++ = '\n';
-  return {buffer.data(), static_cast<std::size_t>(at - buffer.data())};
+  return std::nullopt;
 }
 
 double ms(Duration duration) { return 1e3 * to_seconds(duration); }
@@ -111,10 +111,11 @@ void parse_imu_destination(const std::string& text, ToNetworkOptions& options) {
   if (parts.size() == 3 && parts[0] == "udp") {
     options.imu_address = resolve(parts[1]);
     options.imu_port = parse_port(parts[2]);
-  } else if (parts.size() > 1 && parts[0] == "pty" && !parts[1].empty()) {
-    options.imu_terminal = text.substr(4);
+  } else if (const auto protocol = protocol_of(parts[0]); protocol && parts.size() > 1 && !parts[1].empty()) {
+    options.imu_protocol = *protocol;
+    options.imu_terminal = text.substr(parts[0].size() + 1);
   } else {
-    throw cli::UsageError("--imu-to " + text + ": must be udp:HOST:PORT or pty:LINKPATH");
+    throw cli::UsageError("--imu-to " + text + ": must be udp:HOST:PORT, pty:LINKPATH, xsens:LINKPATH or mip:LINKPATH");
   }
 }
 
@@ -173,7 +174,8 @@ NetworkPlayer::NetworkPlayer(const configuration::LidarConfiguration& lidar, con
                              SendClock& clock, const std::function<bool()>& stopped)
     : lidar_(lidar), options_(options), clock_(clock), stopped_(stopped), socket_(std::make_unique<Socket>(clock)) {
   if (!options.imu_terminal.empty()) {
-    terminal_ = std::make_unique<RowTerminal>(options.imu_terminal);
+    device_ = emulated_imu(options.imu_protocol, options.imu_rate_hz);
+    terminal_ = std::make_unique<SensorTerminal>(options.imu_terminal, device_->greeting());
   }
 }
 
@@ -218,11 +220,15 @@ bool NetworkPlayer::send(const ImuSample& row, Stamp due) {
   if (!wait_until(due)) {
     return false;
   }
-  std::array<char, 256> buffer;
-  const std::string_view text = row_of(row, buffer);
   if (terminal_) {
-    ++(terminal_->write(text) ? report_.imu_rows : report_.imu_unheard);
+    device_bytes_.clear();
+    if (!device_->sample(row, device_bytes_)) {
+      ++report_.imu_withheld;
+    } else {
+      ++(terminal_->write(device_bytes_) ? report_.imu_rows : report_.imu_unheard);
+    }
   } else {
+    const std::string text = row_of(row);
     socket_->send(std::as_bytes(std::span(text.data(), text.size())), options_.imu_address, options_.imu_port);
     ++report_.imu_rows;
   }
@@ -273,7 +279,22 @@ bool NetworkPlayer::wait_until(Stamp due) {
     clock_.sleep_until(clock_.now() + kBurstPause);
     back_to_back_ = 1;
   }
+  serve_terminal();
   return !is_stopped();
+}
+
+/// Lets the device hear its host.
+void NetworkPlayer::serve_terminal() {
+  if (!terminal_) {
+    return;
+  }
+  device_bytes_.clear();
+  for (auto bytes = terminal_->read(); !bytes.empty(); bytes = terminal_->read()) {
+    device_->hear(bytes, device_bytes_);
+  }
+  if (!device_bytes_.empty()) {
+    terminal_->write(device_bytes_);
+  }
 }
 
 bool NetworkPlayer::is_stopped() {
@@ -289,9 +310,10 @@ void NetworkPlayer::drain_terminal() {
   const Duration begin = clock_.now();
   do {
     clock_.sleep_until(clock_.now() + std::chrono::milliseconds(20));
+    serve_terminal();
   } while (!terminal_->is_drained() && !is_stopped() && clock_.now() < begin + std::chrono::seconds(1));
-  report_.imu_rows -= std::min<std::uint64_t>(report_.imu_rows, terminal_->rows_left());
-  report_.imu_unheard += terminal_->rows_left();
+  report_.imu_rows -= std::min<std::uint64_t>(report_.imu_rows, terminal_->writes_left());
+  report_.imu_unheard += terminal_->writes_left();
 }
 
 std::string json_of(const ToNetworkReport& report) {
@@ -302,6 +324,7 @@ std::string json_of(const ToNetworkReport& report) {
                   {"imu_rows", report.imu_rows}};
   json["not_sent"] = {{"foreign", report.foreign},
                       {"imu_unheard", report.imu_unheard},
+                      {"imu_withheld", report.imu_withheld},
                       {"imu_outside", report.imu_outside},
                       {"imu_refused", report.imu_refused}};
   json["lateness_ms"] = {{"mean", ms(report.mean_lateness)}, {"worst", ms(report.worst_lateness)}};
@@ -335,6 +358,7 @@ std::string summary_of(const ToNetworkReport& report) {
   };
   add(report.foreign, "frames that are none of the LiDAR's");
   add(report.imu_unheard, "inertial rows that nobody read from the terminal");
+  add(report.imu_withheld, "inertial rows that the emulated sensor was not told to send");
   add(report.imu_outside, "inertial rows from before or after the LiDAR's packets");
   add(report.imu_refused, "bad inertial rows");
   return result;

@@ -10,7 +10,8 @@
 #include "core/sensor/imu_sample.hpp"
 #include "daemon/configuration/configuration.hpp"
 #include "drivers/recording/packet.hpp"
-#include "tools/replay/row_terminal.hpp"
+#include "tools/replay/emulated_imu.hpp"
+#include "tools/replay/sensor_terminal.hpp"
 
 namespace slamd::replay {
 
@@ -21,16 +22,18 @@ struct ToNetworkOptions {
   std::uint16_t position_port = 0;  // Velodyne position packets, a Mid-360's inertial ones; 0: as above
   double speed = 1.0;               // 0: as fast as kBurst packets and a pause go
 
-  // Inertial rows: one a datagram, or lines of a pseudo terminal. Neither: they are left out.
+  // Inertial samples: a row a datagram, or through a pseudo terminal as a sensor sends them. Neither: they are left out.
   std::uint32_t imu_address = 0;
   std::uint16_t imu_port = 0;
   std::filesystem::path imu_terminal;
+  imu::Protocol imu_protocol = imu::Protocol::kCsv;  // of the terminal
+  int imu_rate_hz = 200;                             // at which the emulated sensor measures
 };
 
 /// Reads HOST[:DATA_PORT[:POSITION_PORT]]. Errors: cli::UsageError, which names the command line's option.
 void parse_destination(const std::string& option, const std::string& text, ToNetworkOptions& options);
 
-/// Reads udp:HOST:PORT or pty:LINKPATH. Errors: cli::UsageError.
+/// Reads udp:HOST:PORT, or pty:LINKPATH (rows), xsens:LINKPATH or mip:LINKPATH. Errors: cli::UsageError.
 void parse_imu_destination(const std::string& text, ToNetworkOptions& options);
 
 /// The clock by which packets are sent; tests have one of their own.
@@ -57,6 +60,7 @@ struct ToNetworkReport {
 
   std::uint64_t foreign = 0;        // packets to other ports, and refused frames: not sent
   std::uint64_t imu_unheard = 0;    // rows that nobody read from the terminal
+  std::uint64_t imu_withheld = 0;   // rows that the emulated sensor did not send: was being configured, or to a lower rate
   std::uint64_t imu_outside = 0;    // rows more than kImuMargin before the first packet or after the last
   std::uint64_t imu_refused = 0;    // bad rows of the file
   Duration worst_lateness{};        // of a packet or a row behind its deadline
@@ -125,6 +129,7 @@ class NetworkPlayer {
 
   Kind kind_of(const recording::Packet& packet) const;
   bool is_stopped();
+  void serve_terminal();
   void drain_terminal();
 
   const configuration::LidarConfiguration& lidar_;
@@ -132,7 +137,9 @@ class NetworkPlayer {
   SendClock& clock_;
   const std::function<bool()>& stopped_;
   std::unique_ptr<Socket> socket_;
-  std::unique_ptr<RowTerminal> terminal_;
+  std::unique_ptr<SensorTerminal> terminal_;
+  std::unique_ptr<EmulatedImu> device_;  // at the terminal
+  std::string device_bytes_;             // scratch
   Stamp first_{};
   Stamp now_{};       // of the stamps
   Duration begin_{};  // on the clock, for first_

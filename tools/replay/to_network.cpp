@@ -1,6 +1,7 @@
 #include "tools/replay/to_network.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 
 #include "drivers/recording/csv_reader.hpp"
@@ -57,10 +58,28 @@ class Rows {
   std::optional<ImuSample> next_;
 };
 
+/// The rate of a recording's inertial file, from its first second.
+int rate_of(const std::filesystem::path& file) {
+  recording::ImuCsvReader reader(file);
+  ImuSample first;
+  ImuSample sample;
+  int periods = 0;
+  if (!reader.next(first)) {
+    return 1;
+  }
+  while (reader.next(sample)) {
+    ++periods;
+    if (sample.stamp - first.stamp >= std::chrono::seconds(1)) {
+      break;
+    }
+  }
+  return periods == 0 ? 1 : std::max(1, static_cast<int>(std::lround(periods / to_seconds(sample.stamp - first.stamp))));
+}
+
 }  // namespace
 
 ToNetworkReport send_to_network(const Recording& recording,
-                                const ToNetworkOptions& options,
+                                const ToNetworkOptions& wanted,
                                 SendClock& clock,
                                 const std::function<bool()>& stopped,
                                 const std::function<void(double share)>& progress) {
@@ -68,6 +87,10 @@ ToNetworkReport send_to_network(const Recording& recording,
     throw recording::RecordingError(recording.lidar, "is a folder of clouds, which has no packets to send");
   }
   recording::PcapReader reader(recording.lidar);
+  ToNetworkOptions options = wanted;
+  if (!options.imu_terminal.empty() && !recording.imu_csv.empty()) {
+    options.imu_rate_hz = rate_of(recording.imu_csv);
+  }
   NetworkPlayer player(recording.configuration.lidar, options, clock, stopped);
   Rows rows = player.takes_rows() && !recording.imu_csv.empty() ? Rows(recording.imu_csv) : Rows();
   const double file_bytes = static_cast<double>(std::filesystem::file_size(recording.lidar)) + 1.0;

@@ -1,5 +1,7 @@
 #include "tools/simulate/options.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <fstream>
 #include <sstream>
 
@@ -168,7 +170,8 @@ void declare(CLI::App& app, Options& options) {
       ->excludes("--drive", "--vehicle", "--waypoints", "--replay", "--preview")
       ->group(kLive);
   app.add_option("--device-code", options.device_code, "With --live: its broadcast code or serial number")->group(kLive);
-  app.add_option("--imu-to", options.imu_to, "Where inertial samples go, udp:HOST:PORT or pty:LINKPATH")->group(kLive);
+  app.add_option("--imu-to", options.imu_to, "Where inertial samples go: udp:HOST:PORT, pty:LINKPATH, or as an emulated sensor sends them, xsens:LINKPATH, mip:LINKPATH")
+      ->group(kLive);
   app.add_option("--url", options.lcm_url, "LCM's, for commands and truth")
       ->default_str(std::string(bus::kDefaultUrl))
       ->group(kLive);
@@ -186,6 +189,7 @@ LiveOptions live_options_of(const Options& options) {
   }
   if (!options.imu_to.empty()) {
     replay::parse_imu_destination(options.imu_to, live.target);
+    live.target.imu_rate_hz = std::max(1, static_cast<int>(std::lround(options.drive.imu_rate_hz)));
   }
   live.lcm_url = options.lcm_url.empty() ? std::string(bus::kDefaultUrl) : options.lcm_url;
   live.lcm_prefix = options.lcm_prefix.empty() ? std::string(bus::kDefaultPrefix) : options.lcm_prefix;

@@ -112,13 +112,16 @@ TEST_F(LoaderTest, ReadsRotationsAsYawOfPitchOfRoll) {
 TEST_F(LoaderTest, TakesThePortsOfALiveImu) {
   const Configuration udp = loaded("[[lidar]]\nmodel = \"vlp16\"\n[imu]\nsource = \"udp\"\n");
   const Configuration serial =
-      loaded("[[lidar]]\nmodel = \"vlp16\"\n[imu]\nsource = \"serial\"\ndevice = \"/dev/ttyS1\"\nbaud = 115200\n");
+      loaded("[[lidar]]\nmodel = \"vlp16\"\n[imu]\nsource = \"serial\"\ndevice = \"/dev/ttyS1\"\nbaud = 115200\nprotocol = \"mip\"\nrate_hz = 250\n");
 
   EXPECT_TRUE(udp.imu.is_live_port());
   EXPECT_EQ(udp.imu.port, 7501);
   EXPECT_TRUE(serial.imu.is_live_port());
   EXPECT_EQ(serial.imu.device, "/dev/ttyS1");
   EXPECT_EQ(serial.imu.baud, 115'200);
+  EXPECT_EQ(serial.imu.protocol, ImuProtocol::kMip);
+  EXPECT_EQ(serial.imu.rate_hz, 250);
+  EXPECT_EQ(udp.imu.protocol, ImuProtocol::kCsv);
 }
 
 TEST_F(LoaderTest, KnowsThePortOfEachModelsData) {

@@ -85,7 +85,8 @@ TEST(CsvRows, CountsBadRowsByReasonAndGoesOn) {
                                       "1,0,0,0,inf,0,9.8\n"                    // no number
                                       "1.5,0,0,0,0,0,9.8\n"                    // no integer
                                       "-1,0,0,0,0,0,9.8\n"                     // stamp
-                                      "9223372036854775807,0,0,0,0,0,9.8\n" +  // stamp
+                                      "9223372036854775807,0,0,0,0,0,9.8\n"    // stamp
+                                      "1,0,0,0,0,0,9800\n" +                   // range: mm/s^2
                                           std::string(300, '1') + "\n" + kRow);
 
   EXPECT_EQ(readings.size(), 1U);
@@ -93,7 +94,8 @@ TEST(CsvRows, CountsBadRowsByReasonAndGoesOn) {
   EXPECT_EQ(sut.counters().of(RowResult::kNotANumber), 5U);
   EXPECT_EQ(sut.counters().of(RowResult::kStampOutOfRange), 2U);
   EXPECT_EQ(sut.counters().of(RowResult::kTooLong), 1U);
-  EXPECT_EQ(total(sut.counters()), 11U);
+  EXPECT_EQ(sut.counters().of(RowResult::kOutOfRange), 1U);
+  EXPECT_EQ(total(sut.counters()), 12U);
 }
 
 TEST(CsvRows, PassesOverTheRowInWhoseMiddleAStreamBegins) {
@@ -144,7 +146,7 @@ RC_GTEST_PROP(CsvRows, ReadsBackWhatIsWrittenWhereverTheStreamIsCut, ()) {
   std::vector<ImuReading> written;
   std::string text = "\n";
   for (std::size_t i = 0; i + 6 < numbers.size(); i += 7) {
-    const auto scaled = [&](std::size_t k) { return numbers[i + k] / 1.0e6; };
+    const auto scaled = [&](std::size_t k) { return numbers[i + k] / 1.0e7; };
     ImuReading reading;
     reading.device_stamp = DeviceStamp{} + Duration(std::int64_t{2'000'000'000} * std::abs(std::int64_t{numbers[i]}));
     reading.angular_rate_radps = {scaled(1), scaled(2), scaled(3)};

@@ -68,6 +68,28 @@ TEST(Mip, GivesEveryGoldenPacketBackWhenEncodedAgain) {
   }
 }
 
+TEST(Mip, WritesTheGoldenSampleBack) {
+  constexpr MipOutput kOutputs[] = {{0xD5}, {0xD6}, {0x04}, {0x05}};
+  MipReader reader;
+  const auto readings = readings_of(reader, from_hex(kSample));
+  ASSERT_EQ(readings.size(), 1U);
+
+  const MipBytes sut = write_sample(kOutputs, {282'809'000'000, 8'000'000, readings[0].specific_force_mps2,
+                                               readings[0].angular_rate_radps});
+
+  EXPECT_EQ(to_hex(sut.view()), kSample);
+}
+
+TEST(Mip, ReadsBackThatASampleIsAtTheDevicesLimits) {
+  constexpr MipOutput kOutputs[] = {{mip::kReferenceTime}, {mip::kAcceleration}, {mip::kTurnRate}, {mip::kOverrange}};
+  MipReader sut;
+
+  EXPECT_EQ(readings_of(sut, write_sample(kOutputs, {.reference_time_ns = 1}).view()).size(), 1U);
+  EXPECT_EQ(readings_of(sut, write_sample(kOutputs, {.reference_time_ns = 2, .clipped = true}).view()).size(), 1U);
+
+  EXPECT_EQ(sut.counters().clipped, 1U);
+}
+
 TEST(Mip, BuildsTheGoldenMessageFormat) {
   constexpr MipOutput kOutputs[] = {{0xD5, 10}, {0x04, 10}, {0x05, 10}};
 

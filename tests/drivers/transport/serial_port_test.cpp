@@ -3,8 +3,10 @@
 #include <fcntl.h>
 #include <poll.h>
 #include <stdlib.h>
+#include <termios.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <string>
 
@@ -38,6 +40,19 @@ class Device {
       close(fd_);
       fd_ = -1;
     }
+  }
+
+  std::string read() const {
+    char text[64];
+    const ssize_t size = ::read(fd_, text, sizeof text);
+    return {text, static_cast<std::size_t>(std::max<ssize_t>(0, size))};
+  }
+
+  /// The rate that is set, as termios has it.
+  unsigned speed() const {
+    termios mode{};
+    SLAMD_ASSERT(tcgetattr(fd_, &mode) == 0);
+    return cfgetispeed(&mode);
   }
 
   bool has_echo() const {
@@ -79,17 +94,22 @@ TEST(SerialPort, ReturnsNothingAndStaysOpenWhenNothingWaits) {
   EXPECT_TRUE(sut.is_open());
 }
 
-TEST(SerialPort, ClosesWhenTheDeviceIsUnplugged) {
+TEST(SerialPort, SaysThatTheDeviceIsUnplugged) {
   Device device;
   SerialPort sut({device.name()});
   ASSERT_EQ(sut.open(), 0);
   device.unplug();
 
+  EXPECT_FALSE(sut.is_gone());
   EXPECT_TRUE(sut.read().empty());
 
-  EXPECT_FALSE(sut.is_open());
-  EXPECT_EQ(sut.fd(), -1);
+  EXPECT_TRUE(sut.is_gone());
   EXPECT_TRUE(sut.read().empty());
+  EXPECT_EQ(sut.write(std::as_bytes(std::span("x", 1))), 0U);
+  sut.close();
+  EXPECT_FALSE(sut.is_open());
+  EXPECT_FALSE(sut.is_gone());
+  EXPECT_EQ(sut.fd(), -1);
 }
 
 TEST(SerialPort, OpensAgainWhenTheDeviceIsBack) {
@@ -110,6 +130,32 @@ TEST(SerialPort, OpensAgainWhenTheDeviceIsBack) {
 
   EXPECT_EQ(text_from(sut), "back");
   unlink(link.c_str());
+}
+
+TEST(SerialPort, WritesToTheDevice) {
+  Device device;
+  SerialPort sut({device.name()});
+  ASSERT_EQ(sut.open(), 0);
+  const std::string command = "\xFA\xFF\x30\n\r\x11";
+
+  EXPECT_EQ(sut.write(std::as_bytes(std::span(command))), command.size());
+
+  EXPECT_EQ(device.read(), command);
+}
+
+TEST(SerialPort, ChangesItsRateOpenOrClosed) {
+  Device device;
+  SerialPort sut({device.name(), 9'600});
+  EXPECT_EQ(sut.set_baud(115'200), 0);
+  ASSERT_EQ(sut.open(), 0);
+  EXPECT_EQ(device.speed(), static_cast<unsigned>(B115200));
+  device.write("of the old rate");
+
+  EXPECT_EQ(sut.set_baud(921'600), 0);
+
+  EXPECT_EQ(sut.baud(), 921'600);
+  EXPECT_EQ(device.speed(), static_cast<unsigned>(B921600));
+  EXPECT_TRUE(sut.read().empty());
 }
 
 TEST(SerialPort, SaysWhyItCannotBeOpened) {

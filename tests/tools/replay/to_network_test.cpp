@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "drivers/imu/csv_rows.hpp"
+#include "drivers/imu/line_setup.hpp"
 #include "drivers/recording/csv_reader.hpp"
 #include "drivers/recording/pcap_writer.hpp"
 #include "drivers/transport/serial_port.hpp"
@@ -267,6 +268,42 @@ TEST_F(ToNetwork, SendsRowsThroughATerminalWithoutLosingOne) {
   EXPECT_TRUE(data_.payloads == sent_data_);
 }
 
+TEST_F(ToNetwork, SendsSamplesAsASensorThatItsHostConfigures) {
+  for (const imu::Protocol protocol : {imu::Protocol::kXsens, imu::Protocol::kMip}) {
+    write_imu(500);
+    const Recording recording = made_recording(2000);
+    options_.imu_terminal = folder_ / "imu";
+    options_.imu_protocol = protocol;
+    transport::SerialPort port({folder_ / "imu"});
+    imu::LineSetup host({protocol, 921'600, 100});
+    imu::ImuStream stream(protocol);
+    std::uint64_t received = 0;
+    clock_.while_asleep = [&] {
+      drain();
+      imu::LineOutput out;
+      if (!port.is_open()) {
+        ASSERT_EQ(port.open(), 0);
+        host.begin(Stamp{} + clock_.now(), out);
+      }
+      host.advance(Stamp{} + clock_.now(), out);
+      for (auto bytes = port.read(); !bytes.empty(); bytes = port.read()) {
+        bytes = bytes.subspan(host.receive(bytes, Stamp{} + clock_.now(), out));
+        stream.add(bytes, Stamp{}, [&](const sensor::ImuReading&) { ++received; });
+      }
+      port.write(out.bytes.view());
+    };
+
+    const ToNetworkReport sut = send(recording);
+
+    EXPECT_TRUE(host.is_ready());
+    EXPECT_EQ(sut.imu_rows + sut.imu_unheard + sut.imu_withheld, 500U);
+    EXPECT_GT(sut.imu_withheld, 240U);  // every second one of the 200 Hz, and those from while it was configured
+    EXPECT_GT(received, 200U);
+    EXPECT_LE(received, sut.imu_rows);  // what it sent before it was told anything went to the conversation
+    EXPECT_EQ(stream.summary().missing + stream.summary().refused, 0U);
+  }
+}
+
 TEST_F(ToNetwork, KeepsTheTerminalUntilASlowReaderHasTakenAll) {
   write_imu(500);
   const Recording recording = made_recording(2000);
@@ -465,6 +502,13 @@ TEST(Destination, ReadsHostAndPorts) {
   EXPECT_EQ(sut.data_port, 0);
   EXPECT_EQ(sut.position_port, 0);
   EXPECT_EQ(sut.imu_terminal, "/run/a:b");
+  EXPECT_EQ(sut.imu_protocol, imu::Protocol::kCsv);
+  parse_imu_destination("xsens:/run/a:b", sut);
+  EXPECT_EQ(sut.imu_terminal, "/run/a:b");
+  EXPECT_EQ(sut.imu_protocol, imu::Protocol::kXsens);
+  parse_imu_destination("mip:imu", sut);
+  EXPECT_EQ(sut.imu_terminal, "imu");
+  EXPECT_EQ(sut.imu_protocol, imu::Protocol::kMip);
 }
 
 TEST(Destination, RefusesWhatIsNone) {
@@ -473,7 +517,7 @@ TEST(Destination, RefusesWhatIsNone) {
   for (const char* text : {"", ":2368", "10.1.2.3:0", "10.1.2.3:65536", "10.1.2.3:x", "10.1.2.3:1:2:3"}) {
     EXPECT_THROW(parse_destination("--to-network", text, sut), cli::UsageError) << text;
   }
-  for (const char* text : {"", "udp", "udp:10.1.2.3", "udp:10.1.2.3:0", "pty", "pty:", "tcp:10.1.2.3:7"}) {
+  for (const char* text : {"", "udp", "udp:10.1.2.3", "udp:10.1.2.3:0", "pty", "pty:", "xsens:", "mip", "csv:/run/imu", "tcp:10.1.2.3:7"}) {
     EXPECT_THROW(parse_imu_destination(text, sut), cli::UsageError) << text;
   }
 }

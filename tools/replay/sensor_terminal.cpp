@@ -1,4 +1,4 @@
-#include "tools/replay/row_terminal.hpp"
+#include "tools/replay/sensor_terminal.hpp"
 
 #include <fcntl.h>
 #include <poll.h>
@@ -15,7 +15,7 @@ namespace slamd::replay {
 
 namespace fs = std::filesystem;
 
-RowTerminal::RowTerminal(const fs::path& link) : link_(link) {
+SensorTerminal::SensorTerminal(const fs::path& link, std::string greeting) : link_(link), greeting_(std::move(greeting)) {
   std::error_code ignored;
   if (fs::exists(fs::symlink_status(link_, ignored)) && !fs::is_symlink(link_)) {
     throw std::runtime_error(link_.string() + ": is there already, and no link");
@@ -31,6 +31,7 @@ RowTerminal::RowTerminal(const fs::path& link) : link_(link) {
   // Only after its first closing does the kernel tell a terminal that nobody reads.
   ::close(::open(name, O_RDWR | O_NOCTTY | O_CLOEXEC));
   std::error_code error;
+  make_raw();
   fs::remove(link_, ignored);
   fs::create_symlink(name_, link_, error);
   if (error) {
@@ -39,7 +40,7 @@ RowTerminal::RowTerminal(const fs::path& link) : link_(link) {
   }
 }
 
-RowTerminal::~RowTerminal() {
+SensorTerminal::~SensorTerminal() {
   std::error_code ignored;
   if (fs::read_symlink(link_, ignored) == name_) {
     fs::remove(link_, ignored);
@@ -47,30 +48,41 @@ RowTerminal::~RowTerminal() {
   ::close(fd_);
 }
 
-bool RowTerminal::has_reader() const {
+bool SensorTerminal::has_reader() const {
   pollfd state{fd_, 0, 0};
   return poll(&state, 1, 0) >= 0 && (state.revents & POLLHUP) == 0;
 }
 
-bool RowTerminal::write(std::string_view row) {
+bool SensorTerminal::write(std::string_view bytes) {
   if (!has_reader()) {
     heard_ = false;
     return false;
   }
-  if (backlog_.size() + row.size() > kMaxBacklogBytes) {
+  if (backlog_.size() + bytes.size() > kMaxBacklogBytes) {
     return false;
   }
   if (!heard_) {
     heard_ = true;
     make_raw();
-    backlog_ += '\n';  // a reader trusts no row whose beginning it may have missed
+    backlog_ += greeting_;
+    taken_bytes_ += greeting_.size();
   }
-  backlog_ += row;
+  backlog_ += bytes;
+  taken_bytes_ += bytes.size();
+  ends_.push_back(taken_bytes_);
   push();
   return true;
 }
 
-void RowTerminal::make_raw() {
+std::span<const std::byte> SensorTerminal::read() {
+  if (!has_reader()) {
+    return {};
+  }
+  const ssize_t bytes = ::read(fd_, heard_bytes_.data(), heard_bytes_.size());
+  return std::span(heard_bytes_).first(static_cast<std::size_t>(std::max<ssize_t>(0, bytes)));
+}
+
+void SensorTerminal::make_raw() {
   termios mode{};
   if (tcgetattr(fd_, &mode) == 0) {
     cfmakeraw(&mode);
@@ -78,17 +90,21 @@ void RowTerminal::make_raw() {
   }
 }
 
-void RowTerminal::push() {
+void SensorTerminal::push() {
   while (!backlog_.empty()) {
     const ssize_t written = ::write(fd_, backlog_.data(), backlog_.size());
     if (written <= 0) {
       return;
     }
     backlog_.erase(0, static_cast<std::size_t>(written));
+    pushed_bytes_ += static_cast<std::uint64_t>(written);
+    while (!ends_.empty() && ends_.front() <= pushed_bytes_) {
+      ends_.pop_front();
+    }
   }
 }
 
-bool RowTerminal::is_drained() {
+bool SensorTerminal::is_drained() {
   if (!has_reader()) {
     return true;
   }
@@ -98,10 +114,6 @@ bool RowTerminal::is_drained() {
   const bool empty = reader.fd >= 0 && poll(&reader, 1, 0) == 0;
   ::close(reader.fd);
   return backlog_.empty() && empty;
-}
-
-std::size_t RowTerminal::rows_left() const {
-  return static_cast<std::size_t>(std::count(backlog_.begin(), backlog_.end(), '\n'));
 }
 
 }  // namespace slamd::replay
