@@ -184,7 +184,9 @@ bool ParticleSwarmFilter::fits_better_where_both_are_known(const map::VoxelMap& 
 double ParticleSwarmFilter::log_prior(const Question& question, const Se3& T_odom_imu, bool recovery) const {
   const Vector6d xi = boxminus(T_odom_imu, question.T_odom_imu_prior);
   const double narrow = -0.5 * xi.dot(question.P_prior.ldlt().solve(xi));
-  if (!recovery) {
+  // While the plain update contradicts neither the prediction nor the map, the prediction was right: new surroundings, such
+  // as a room behind a door, can fit well where they do not belong.
+  if (!recovery || !question.distrust_prior) {
     return narrow;
   }
   const Vector6d wide_std = 0.5 * half_box(question, true);

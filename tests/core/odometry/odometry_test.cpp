@@ -169,7 +169,7 @@ TEST(Odometry, LetsTheMapConfirmAPoseThatTheInertialSensorDidNotExpect) {
   for (int i = 0; i < 5; ++i) {
     add();
   }
-  room.move_scan({0.3F, 0.26F, 0.0F});
+  room.move_scan({0.3F, 0.26F, 0.2F});
 
   const OdometryResult jump = add();
 

@@ -106,7 +106,7 @@ TEST_F(ParticleSwarmFilterTest, RecoverySwarmFindsTheTruthFromWrongPredictions) 
   EXPECT_GE(found, 34);
 }
 
-TEST_F(ParticleSwarmFilterTest, FallingLikelihoodTriggersTheRecovery) {
+TEST_F(ParticleSwarmFilterTest, FallingLikelihoodTriggersTheRecoveryWhichKeepsToAPriorThatNothingContradicts) {
   ParticleSwarmFilter sut(PsfConfig{}, 1);
   for (std::uint64_t scan = 0; scan < 10; ++scan) {
     sut.answer(points_, map_, question(Vector6d::Zero(), kTruth));
@@ -115,11 +115,18 @@ TEST_F(ParticleSwarmFilterTest, FallingLikelihoodTriggersTheRecovery) {
   error[0] = 0.8;
   error[5] = 0.12;
 
-  const Answer answer = sut.answer(points_, map_, question(error, geometry::boxplus(kTruth, error)));
+  Question asked = question(error, geometry::boxplus(kTruth, error));
+  ParticleSwarmFilter other = sut;
 
-  EXPECT_TRUE(answer.recovery);
-  EXPECT_TRUE(answer.swarm_won);
-  EXPECT_LT(geometry::boxminus(answer.T_odom_imu, kTruth).norm(), 0.15);
+  const Answer kept = sut.answer(points_, map_, asked);
+  asked.distrust_prior = true;
+  const Answer found = other.answer(points_, map_, asked);
+
+  EXPECT_TRUE(kept.recovery);
+  EXPECT_FALSE(kept.swarm_won);
+  EXPECT_TRUE(found.recovery);
+  EXPECT_TRUE(found.swarm_won);
+  EXPECT_LT(geometry::boxminus(found.T_odom_imu, kTruth).norm(), 0.15);
 }
 
 TEST_F(ParticleSwarmFilterTest, SameSeedSameAnswer) {
