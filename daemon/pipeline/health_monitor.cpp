@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <system_error>
 
+#include "daemon/stages/pose_stage.hpp"
 #include "drivers/transport/udp_receiver.hpp"
 
 namespace slamd::pipeline {
@@ -33,6 +34,11 @@ bus::PoolHealth pool_health(const char* name, const Resource& pool) {
 }
 
 bool hears(const SensorCounts& counts, Stamp now) { return counts.last != Stamp{} && now - counts.last < ReceiveLoop::kSilent; }
+
+/// Packets have come again, but no scan of them: what the odometry said last is of before. Poses say it likewise.
+bool waits_for_scan(const OdometryCounts& odometry, Stamp now) {
+  return now - odometry.last > stages::PoseStage::kNoScan;
+}
 
 SensorState state_of(const SensorCounts& counts, Stamp now) {
   if (counts.last == Stamp{}) {
@@ -119,6 +125,8 @@ void HealthMonitor::add_causes(const Pipeline& pipeline, Stamp now, bus::Health&
   }
   if (odometry.cause != odometry::Cause::kNone) {
     say(odometry::in_words(odometry.cause, odometry.weak_axes_base));
+  } else if (hears(receive.lidar, now) && waits_for_scan(odometry, now)) {
+    say(odometry::name_of(odometry::Cause::kNoLidar));
   }
 }
 
@@ -135,7 +143,7 @@ bus::Health HealthMonitor::read(const Pipeline& pipeline, Stamp now, const std::
   }
   health.state = odometry.epoch == pipeline.epoch() ? static_cast<bus::State>(odometry.state) : bus::State::kStarting;
   const bool silent = !hears(receive.lidar, now) || (imu_enabled_ && !hears(receive.imu, now));
-  if (silent && health.state == bus::State::kTracking) {
+  if ((silent || waits_for_scan(odometry, now)) && health.state == bus::State::kTracking) {
     health.state = bus::State::kDegraded;
   }
   health.weak_axes = odometry.weak_axes;

@@ -22,7 +22,7 @@ back_to_tracking() {
     if jq -e '.health.state == "TRACKING" and all(.health.sensors[]; .state == "running")' <<<"$said" >/dev/null 2>&1; then
       pass "$lidar: $1: TRACKING after $(awk "BEGIN { printf \"%.1f\", ($(now_ms) - $began) / 1000 }") s"
       echo "$said" >"$work/health.json"
-      holds "$lidar: $1: the pose is where it was" "$work/health.json" '.pose.T_odom_base.position_m | map(. * .) | add | sqrt < 1.0'
+      holds "$lidar: $1: the pose is where it was" "$work/health.json" '.pose.T_odom_base.position_m | map(. * .) | add | sqrt < 0.2'
       return
     fi
     sleep 0.1

@@ -170,7 +170,16 @@ TEST_F(Live, SaysWhatIsSilentAndGoesOnWhenItReturns) {
   EXPECT_TRUE(comes_true([&] { return sut.odometry().counts().scans > 0; }));
   EXPECT_TRUE(comes_true([&] { return first_cause().find("vlp16: silent for") == 0; }));
   const std::uint64_t before = sut.odometry().counts().scans;
-  play(half, events_.size());
+  const std::size_t heard = half + 10;  // packets that make no scan yet
+  play(half, heard);
+  bus::Health again;
+  EXPECT_TRUE(comes_true([&] {
+    again = health.read(sut, clock.now());
+    return again.sensors[0].state == bus::SensorState::kRunning;
+  }));
+  EXPECT_EQ(again.state, bus::State::kDegraded);
+  EXPECT_EQ(again.causes[again.causes.size() - 1].view(), "no scans");
+  play(heard, events_.size());
 
   EXPECT_TRUE(comes_true([&] { return sut.odometry().counts().scans > before; }));
 }
