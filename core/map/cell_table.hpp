@@ -7,9 +7,11 @@
 
 #include "core/base/assert.hpp"
 #include "core/base/bounded_vector.hpp"
-#include "core/map/cell_key.hpp"
+#include "core/geometry/cell_key.hpp"
 
 namespace slamd::map {
+
+using geometry::CellKey;
 
 /// Cells in a fixed block of memory, found by key (open addressing, linear probing), recycled oldest first.
 ///
@@ -28,13 +30,13 @@ class CellTable {
     links_.resize(capacity);
     slots_.resize(slots_.capacity());
     mask_ = slots_.size() - 1;
-    shift_ = 64 - std::bit_width(mask_);
+    home_ = geometry::CellHash(slots_.size());
     clear();
   }
 
   /// Returns the place of the cell with this key, or kNone.
   std::uint32_t place_of(CellKey key) const {
-    for (std::size_t i = home(key);; i = (i + 1) & mask_) {
+    for (std::size_t i = home_(key);; i = (i + 1) & mask_) {
       const Slot& slot = slots_[i];
       if (slot.cell == kNone || slot.key == key) {
         return slot.cell;
@@ -140,9 +142,6 @@ class CellTable {
     std::uint32_t cell = kNone;
   };
 
-  // The product's upper bits: only they depend on all of the key's. Source: multiplicative hashing, Knuth, 6.4.
-  std::size_t home(CellKey key) const { return (key * 0x9E3779B97F4A7C15ULL) >> shift_; }
-
   template <typename Released>
   std::uint32_t create(CellKey key, float path_m, Released&& released) {
     SLAMD_ASSERT(!cells_.empty());
@@ -157,7 +156,7 @@ class CellTable {
     links_[place].key = key;
     links_[place].path_m = path_m;
     link_newest(place);
-    std::size_t i = home(key);
+    std::size_t i = home_(key);
     while (slots_[i].cell != kNone) {
       i = (i + 1) & mask_;
     }
@@ -168,13 +167,13 @@ class CellTable {
 
   void release(std::uint32_t place) {
     unlink(place);
-    std::size_t hole = home(links_[place].key);
+    std::size_t hole = home_(links_[place].key);
     while (slots_[hole].cell != place) {
       hole = (hole + 1) & mask_;
     }
     // Close the gap: move back each follower whose home lies at or before the hole (Knuth, 6.4 R).
     for (std::size_t i = (hole + 1) & mask_; slots_[i].cell != kNone; i = (i + 1) & mask_) {
-      const std::size_t wanted = home(slots_[i].key);
+      const std::size_t wanted = home_(slots_[i].key);
       if (((i - wanted) & mask_) >= ((i - hole) & mask_)) {
         slots_[hole] = slots_[i];
         hole = i;
@@ -203,7 +202,7 @@ class CellTable {
   BoundedVector<Link> links_;
   BoundedVector<Slot> slots_;
   std::size_t mask_ = 0;
-  int shift_ = 63;
+  geometry::CellHash home_;
   std::uint32_t free_ = kNone;
   std::uint32_t oldest_ = kNone;
   std::uint32_t newest_ = kNone;

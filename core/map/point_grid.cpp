@@ -66,7 +66,7 @@ void PointGrid::insert(std::span<const Eigen::Vector3f> points_odom, float path_
 }
 
 void PointGrid::insert(const Eigen::Vector3f& p_odom, float path_m) {
-  const auto touched = cells_.touch(key_of(p_odom, inverse_cell_), path_m,
+  const auto touched = cells_.touch(geometry::key_of(p_odom, inverse_cell_), path_m,
                                     [this](std::uint32_t place) { withdraw(place); });
   if (touched.created) {
     introduce(touched.place, p_odom);
@@ -75,7 +75,7 @@ void PointGrid::insert(const Eigen::Vector3f& p_odom, float path_m) {
   std::uint32_t sub_cube = 0;
   for (int axis = 0; axis < 3; ++axis) {
     const float fraction =
-        p_odom[axis] * inverse_cell_ - static_cast<float>(cell_index(p_odom[axis], inverse_cell_));
+        p_odom[axis] * inverse_cell_ - static_cast<float>(geometry::cell_index(p_odom[axis], inverse_cell_));
     const auto division = std::min(
         PointCell::kDivisions - 1, static_cast<std::uint32_t>(fraction * static_cast<float>(PointCell::kDivisions)));
     sub_cube = sub_cube * PointCell::kDivisions + division;
@@ -89,12 +89,12 @@ void PointGrid::insert(const Eigen::Vector3f& p_odom, float path_m) {
 
 /// Makes a new cell and its neighbours known to one another.
 void PointGrid::introduce(std::uint32_t place, const Eigen::Vector3f& p_odom) {
-  const std::int32_t x = cell_index(p_odom.x(), inverse_cell_);
-  const std::int32_t y = cell_index(p_odom.y(), inverse_cell_);
-  const std::int32_t z = cell_index(p_odom.z(), inverse_cell_);
+  const std::int32_t x = geometry::cell_index(p_odom.x(), inverse_cell_);
+  const std::int32_t y = geometry::cell_index(p_odom.y(), inverse_cell_);
+  const std::int32_t z = geometry::cell_index(p_odom.z(), inverse_cell_);
   for (std::size_t i = 0; i < kAround; ++i) {
     const std::uint32_t other =
-        i == kMiddle ? place : cells_.place_of(pack(x + kSteps[i].x, y + kSteps[i].y, z + kSteps[i].z));
+        i == kMiddle ? place : cells_.place_of(geometry::pack(x + kSteps[i].x, y + kSteps[i].y, z + kSteps[i].z));
     surroundings_[place].places[i] = other;
     if (other != kNone) {
       surroundings_[other].places[kAround - 1 - i] = place;
@@ -114,12 +114,14 @@ void PointGrid::withdraw(std::uint32_t place) {
 
 Neighbours PointGrid::nearest(const Eigen::Vector3f& query_odom, float radius_m) const {
   const float radius_sq = radius_m * radius_m;
-  const std::int32_t cell[3] = {cell_index(query_odom.x(), inverse_cell_), cell_index(query_odom.y(), inverse_cell_),
-                                cell_index(query_odom.z(), inverse_cell_)};
-  const std::uint32_t middle = cells_.place_of(pack(cell[0], cell[1], cell[2]));
+  const std::int32_t cell[3] = {geometry::cell_index(query_odom.x(), inverse_cell_),
+                                geometry::cell_index(query_odom.y(), inverse_cell_),
+                                geometry::cell_index(query_odom.z(), inverse_cell_)};
+  const std::uint32_t middle = cells_.place_of(geometry::pack(cell[0], cell[1], cell[2]));
   const auto place_at = [&](std::size_t i) {
     return middle != kNone ? surroundings_[middle].places[i]
-                           : cells_.place_of(pack(cell[0] + kSteps[i].x, cell[1] + kSteps[i].y, cell[2] + kSteps[i].z));
+                           : cells_.place_of(geometry::pack(cell[0] + kSteps[i].x, cell[1] + kSteps[i].y,
+                                                            cell[2] + kSteps[i].z));
   };
 
   // Squared distance to the layers of cells on both sides of the query's, by axis and step.

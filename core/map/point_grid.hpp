@@ -38,7 +38,7 @@ class PointGrid {
 
   /// Brings what `nearest` and `insert` will look at nearer to the processor.
   void prefetch(const Eigen::Vector3f& p_odom) const {
-    const std::uint32_t place = cells_.place_of(key_of(p_odom, inverse_cell_));
+    const std::uint32_t place = cells_.place_of(geometry::key_of(p_odom, inverse_cell_));
     if (place != CellTable<PointCell>::kNone) {
       cells_.prefetch(place);
       __builtin_prefetch(&surroundings_[place]);

@@ -35,17 +35,17 @@ void VoxelMap::insert_surfaces(std::span<const Eigen::Vector3f> points_odom, flo
   const float inverse_side = inverse_surface_cell_[level];
   for (std::size_t i = 0; i < points_odom.size(); ++i) {
     if (i + kAhead < points_odom.size()) {
-      const std::uint32_t place = cells.place_of(key_of(points_odom[i + kAhead], inverse_side));
+      const std::uint32_t place = cells.place_of(geometry::key_of(points_odom[i + kAhead], inverse_side));
       if (place != CellTable<SurfaceCell>::kNone) {
         cells.prefetch(place);
       }
     }
-    cells.touch(key_of(points_odom[i], inverse_side), path_m).add(points_odom[i]);
+    cells.touch(geometry::key_of(points_odom[i], inverse_side), path_m).add(points_odom[i]);
   }
 }
 
 const SurfaceCell* VoxelMap::surface(const Eigen::Vector3f& query_odom, std::size_t level) const {
-  return surfaces_[level].find(key_of(query_odom, inverse_surface_cell_[level]));
+  return surfaces_[level].find(geometry::key_of(query_odom, inverse_surface_cell_[level]));
 }
 
 }  // namespace slamd::map

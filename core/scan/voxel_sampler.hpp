@@ -6,6 +6,7 @@
 #include <Eigen/Core>
 
 #include "core/base/bounded_vector.hpp"
+#include "core/geometry/cell_key.hpp"
 
 namespace slamd::scan {
 
@@ -25,8 +26,8 @@ class VoxelSampler {
  private:
   float inverse_side_ = 1.0F;
   std::uint64_t mask_ = 0;
-  int shift_ = 63;
-  BoundedVector<std::uint64_t> slots_;  // keys
+  geometry::CellHash home_;
+  BoundedVector<geometry::CellKey> slots_;
 };
 
 }  // namespace slamd::scan

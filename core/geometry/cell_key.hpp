@@ -1,10 +1,12 @@
 #pragma once
 
+#include <bit>
+#include <cstddef>
 #include <cstdint>
 
 #include <Eigen/Core>
 
-namespace slamd::map {
+namespace slamd::geometry {
 
 /// The integer coordinates of a cubic cell, packed into one word: 21 bits an axis, ± one million cells.
 using CellKey = std::uint64_t;
@@ -30,4 +32,17 @@ inline CellKey key_of(const Eigen::Vector3f& p, float inverse_side) {
   return pack(cell_index(p.x(), inverse_side), cell_index(p.y(), inverse_side), cell_index(p.z(), inverse_side));
 }
 
-}  // namespace slamd::map
+/// Where a key is looked for first in a table whose size is a power of two: by the upper bits of a product, for only they
+/// depend on all of the key's. Source: multiplicative hashing, Knuth, 6.4.
+class CellHash {
+ public:
+  /// Of a table of two slots or more.
+  explicit CellHash(std::size_t slots = 2) : shift_(64 - std::countr_zero(slots)) {}
+
+  std::size_t operator()(CellKey key) const { return (key * 0x9E3779B97F4A7C15ULL) >> shift_; }
+
+ private:
+  int shift_;
+};
+
+}  // namespace slamd::geometry
