@@ -71,7 +71,7 @@ Answer ParticleSwarmFilter::answer(std::span<const Eigen::Vector3f> points_imu,
   // EKF-based particle filter [Liu22]: Gauss–Newton from the best separated modes; in recovery also the
   // coarse-to-fine alignment, which needs no luck. The gate: plain, unless a mode is clearly better.
   const auto score_of = [&](const Se3& T_odom_imu, float log_likelihood) {
-    return config_.gate_gain * static_cast<double>(log_likelihood) + log_prior(question, T_odom_imu, best.recovery);
+    return config_.gate_gain * static_cast<double>(log_likelihood) + log_prior(question, T_odom_imu);
   };
   double best_score = score_of(best.T_odom_imu, best.log_likelihood) + config_.gate_margin;
   const auto challenge = [&](const Se3& T_odom_imu) {
@@ -176,17 +176,17 @@ bool ParticleSwarmFilter::fits_better_where_both_are_known(const map::VoxelMap& 
   const auto sigma = static_cast<float>(config_.gate_sigma_m);
   const ScanLikelihood::Comparison both =
       likelihood_.compare(map, kFineLevel, T_odom_imu, question.T_odom_imu_plain, sigma);
-  const double score = config_.gate_gain * static_cast<double>(both.a - both.b) + log_prior(question, T_odom_imu, true) -
-                       log_prior(question, question.T_odom_imu_plain, true);
+  const double score = config_.gate_gain * static_cast<double>(both.a - both.b) + log_prior(question, T_odom_imu) -
+                       log_prior(question, question.T_odom_imu_plain);
   return static_cast<double>(both.share) >= config_.min_shared_points && score > config_.gate_margin;
 }
 
-double ParticleSwarmFilter::log_prior(const Question& question, const Se3& T_odom_imu, bool recovery) const {
+double ParticleSwarmFilter::log_prior(const Question& question, const Se3& T_odom_imu) const {
   const Vector6d xi = boxminus(T_odom_imu, question.T_odom_imu_prior);
   const double narrow = -0.5 * xi.dot(question.P_prior.ldlt().solve(xi));
   // While the plain update contradicts neither the prediction nor the map, the prediction was right: new surroundings, such
   // as a room behind a door, can fit well where they do not belong.
-  if (!recovery || !question.distrust_prior) {
+  if (!question.distrust_prior) {
     return narrow;
   }
   const Vector6d wide_std = 0.5 * half_box(question, true);

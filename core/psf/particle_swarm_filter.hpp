@@ -87,7 +87,7 @@ class ParticleSwarmFilter {
   void run_swarm(const map::VoxelMap& map, const Question& question, bool recovery, Random& random);
   bool fits_better_where_both_are_known(const map::VoxelMap& map, const Question& question,
                                         const geometry::Se3& T_odom_imu) const;
-  double log_prior(const Question& question, const geometry::Se3& T_odom_imu, bool recovery) const;
+  double log_prior(const Question& question, const geometry::Se3& T_odom_imu) const;
   void remember(const Answer& answer);
 
   PsfConfig config_;
