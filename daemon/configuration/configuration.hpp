@@ -8,6 +8,7 @@
 #include "core/geometry/se3.hpp"
 #include "core/odometry/odometry_config.hpp"
 #include "daemon/configuration/device.hpp"
+#include "drivers/imu/protocol.hpp"
 
 namespace slamd::configuration {
 
@@ -35,9 +36,6 @@ bool is_livox(LidarModel model);
 
 /// Whose time a sensor's stamps tell.
 enum class SensorClock { kEstimated, kShared };
-
-/// What an inertial sensor on a serial line speaks.
-enum class ImuProtocol { kCsv, kXsens, kMip };
 
 struct LidarConfiguration {
   LidarModel model = LidarModel::kVlp16;
@@ -73,7 +71,7 @@ struct ImuConfiguration {
   int port = 7501;            // UDP destination port of "udp"
   std::string device;         // terminal of "serial"
   int baud = 921'600;         // its rate; 0: is found by listening
-  ImuProtocol protocol = ImuProtocol::kCsv;  // of "serial"
+  imu::Protocol protocol = imu::Protocol::kCsv;  // of "serial"
   int rate_hz = 0;            // samples that an Xsens or a MicroStrain is told to send; 0: it is left as it is
   std::optional<geometry::Se3> T_base_imu;
   SensorClock clock = SensorClock::kEstimated;

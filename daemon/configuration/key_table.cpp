@@ -196,8 +196,10 @@ void add_device_keys(std::vector<Key>& keys) {
 void add_sensor_keys(std::vector<Key>& keys) {
   const std::vector<std::pair<std::string, SensorClock>> clocks{{"estimated", SensorClock::kEstimated},
                                                                 {"shared", SensorClock::kShared}};
-  const std::vector<std::pair<std::string, ImuProtocol>> protocols{
-      {"csv", ImuProtocol::kCsv}, {"xsens", ImuProtocol::kXsens}, {"mip", ImuProtocol::kMip}};
+  std::vector<std::pair<std::string, imu::Protocol>> protocols;
+  for (const imu::Protocol protocol : {imu::Protocol::kCsv, imu::Protocol::kXsens, imu::Protocol::kMip}) {
+    protocols.emplace_back(name_of(protocol), protocol);
+  }
   std::vector<std::pair<std::string, LidarModel>> models;
   for (const LidarModel model : {LidarModel::kVlp16, LidarModel::kVlp16HiRes, LidarModel::kVlp32c, LidarModel::kHdl32e,
                                  LidarModel::kLivoxAvia, LidarModel::kLivoxMid360, LidarModel::kPoints}) {

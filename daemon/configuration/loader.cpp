@@ -224,10 +224,10 @@ void Loader::check_together(const Configuration& configuration, const std::map<s
   refuse_if(imu.source == "livox" && !livox, "imu.source", "\"livox\"", "lidar.model has no built-in inertial sensor");
   refuse_if(imu.source == "serial" && imu.device.empty(), "imu.source", "\"serial\"",
             "needs imu.device, the terminal, such as \"/dev/ttyUSB0\"");
-  refuse_if(imu.source == "serial" && imu.rate_hz != 0 && imu.protocol == ImuProtocol::kCsv, "imu.rate_hz", std::to_string(imu.rate_hz),
+  refuse_if(imu.source == "serial" && imu.rate_hz != 0 && imu.protocol == imu::Protocol::kCsv, "imu.rate_hz", std::to_string(imu.rate_hz),
             "a sensor that sends CSV rows cannot be told; is for imu.protocol = \"xsens\" or \"mip\"");
-  refuse_if(imu.source == "udp" && imu.protocol != ImuProtocol::kCsv, "imu.protocol",
-            imu.protocol == ImuProtocol::kXsens ? "\"xsens\"" : "\"mip\"", "is for imu.source = \"serial\"; \"udp\" takes \"csv\"");
+  refuse_if(imu.source == "udp" && imu.protocol != imu::Protocol::kCsv, "imu.protocol",
+            quoted(name_of(imu.protocol)), "is for imu.source = \"serial\"; \"udp\" takes \"csv\"");
   refuse_if(imu.source == "udp" && (imu.port == lidar.data_port() || (imu.port == lidar.position_port && !livox) ||
                                      (imu.port == lidar.imu_port && mid360)), "imu.port",
             std::to_string(imu.port), "is a port of the LiDAR");

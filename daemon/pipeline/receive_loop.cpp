@@ -7,8 +7,6 @@
 #include <sys/epoll.h>
 #include <unistd.h>
 
-#include "daemon/pipeline/serial_loop.hpp"
-
 namespace slamd::pipeline {
 
 using configuration::Configuration;
@@ -57,7 +55,7 @@ std::unique_ptr<UdpReceiver> receiver(const Configuration& configuration, std::u
 }  // namespace
 
 ReceiveLoop::ReceiveLoop(const Configuration& configuration, const transport::HostClock& clock, Rings& rings)
-    : clock_(clock), rings_(rings), packets_(configuration), imu_stream_(protocol_of(configuration.imu.protocol)), imu_clock_(imu_clock_config(configuration)) {
+    : clock_(clock), rings_(rings), packets_(configuration), imu_stream_(configuration.imu.protocol), imu_clock_(imu_clock_config(configuration)) {
   if (configuration.lidar.model == LidarModel::kPoints) {
     throw ConfigurationError("lidar.model = \"points\": a folder of clouds is for slamd-replay; slamd listens to sensors");
   }

@@ -26,18 +26,10 @@ Event event_of(imu::LineEvent::Kind kind) {
 
 }  // namespace
 
-imu::Protocol protocol_of(configuration::ImuProtocol protocol) {
-  switch (protocol) {
-    case configuration::ImuProtocol::kXsens: return imu::Protocol::kXsens;
-    case configuration::ImuProtocol::kMip: return imu::Protocol::kMip;
-    default: return imu::Protocol::kCsv;
-  }
-}
-
 SerialLoop::SerialLoop(const configuration::Configuration& configuration, const transport::HostClock& clock, SerialLine& line)
     : clock_(clock),
       line_(line),
-      setup_({protocol_of(configuration.imu.protocol), configuration.imu.baud, configuration.imu.rate_hz}) {}
+      setup_({configuration.imu.protocol, configuration.imu.baud, configuration.imu.rate_hz}) {}
 
 void SerialLoop::run_once(Duration longest) {
   if (!line_.wait_for_return(longest)) {

@@ -8,9 +8,6 @@
 
 namespace slamd::pipeline {
 
-/// The protocol of the driver that is configured.
-imu::Protocol protocol_of(configuration::ImuProtocol protocol);
-
 /// The serial thread, an ordinary one: opens the inertial sensor's port, finds its rate and configures the sensor as far
 /// as the configuration wants that, and hands the port to the receive thread; opens it anew when it comes back.
 /// Threads: one.  Allocates in the constructor only; blocks where the driver does.

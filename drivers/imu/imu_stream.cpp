@@ -14,15 +14,6 @@ StreamSummary summary_of(const InertialCounters& counters, const StreamCounters&
 
 }  // namespace
 
-const char* name_of(Protocol protocol) {
-  switch (protocol) {
-    case Protocol::kCsv: return "csv";
-    case Protocol::kXsens: return "xsens";
-    case Protocol::kMip: return "mip";
-  }
-  return "?";
-}
-
 ImuStream::ImuStream(Protocol protocol) {
   switch (protocol) {
     case Protocol::kCsv: reader_.emplace<CsvRows>(); break;

@@ -8,15 +8,10 @@
 #include "core/sensor/imu_reading.hpp"
 #include "drivers/imu/csv_rows.hpp"
 #include "drivers/imu/mip.hpp"
+#include "drivers/imu/protocol.hpp"
 #include "drivers/imu/xsens.hpp"
 
 namespace slamd::imu {
-
-/// What an inertial sensor on a serial line speaks.
-enum class Protocol : std::uint8_t { kCsv, kXsens, kMip };
-
-/// Names a protocol as configured.
-const char* name_of(Protocol protocol);
 
 /// What became of a stream, whatever its protocol.
 struct StreamSummary {

@@ -40,12 +40,4 @@ struct LineOutput {
   void tell(LineEvent::Kind kind, std::uint32_t value = 0) { events.try_push_back({kind, value}); }
 };
 
-/// How a conversation stands.
-enum class DialogueState : std::uint8_t {
-  kUnderWay,
-  kConfigured,  // the sensor sends what it was told to
-  kRefused,     // the sensor sends what it did before
-  kMute,        // no answer to a command that was repeated
-};
-
 }  // namespace slamd::imu

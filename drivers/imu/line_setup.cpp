@@ -139,16 +139,16 @@ void LineSetup::talk(Stamp now, LineOutput& out) {
 }
 
 void LineSetup::look_at_dialogue(Stamp now, LineOutput& out) {
-  const bool xsens = config_.protocol == Protocol::kXsens;
-  switch (xsens ? xsens_host_.state() : mip_host_.state()) {
+  const Dialogue& dialogue = config_.protocol == Protocol::kXsens ? static_cast<const Dialogue&>(xsens_host_) : mip_host_;
+  switch (dialogue.state()) {
     case DialogueState::kUnderWay: break;
     case DialogueState::kConfigured:
       state_ = State::kReady;
-      out.tell(LineEvent::Kind::kConfigured, static_cast<std::uint32_t>(xsens ? xsens_host_.rate_hz() : mip_host_.rate_hz()));
+      out.tell(LineEvent::Kind::kConfigured, static_cast<std::uint32_t>(dialogue.rate_hz()));
       break;
     case DialogueState::kRefused:
       state_ = State::kReady;
-      out.tell(LineEvent::Kind::kRefused, xsens ? xsens_host_.error() : mip_host_.error());
+      out.tell(LineEvent::Kind::kRefused, dialogue.error());
       break;
     case DialogueState::kMute:
       if (samples_heard_ >= BaudHunt::kFrames) {

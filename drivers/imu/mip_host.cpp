@@ -20,17 +20,16 @@ constexpr std::array<std::array<std::uint8_t, 5>, 4> kFormats{{
 }  // namespace
 
 void MipHost::begin(int rate_hz, Stamp now, LineOutput& out) {
-  state_ = DialogueState::kUnderWay;
+  Dialogue::begin();
   wanted_hz_ = rate_hz;
   format_ = 0;
-  refused_ = false;
   go(Step::kIdle, now, out);
 }
 
 void MipHost::take(const MipPacket& packet, Stamp now, LineOutput& out) {
   const std::optional<MipAck> ack = ack_of(packet);
   const bool base = step_ == Step::kIdle || step_ == Step::kResume;
-  if (step_ == Step::kEnded || !ack || ack->command != command() ||
+  if (!is_under_way() || !ack || ack->command != command() ||
       packet.set != (base ? mip::kBaseCommands : mip::kSensorCommands)) {
     return;
   }
@@ -48,41 +47,32 @@ void MipHost::take(const MipPacket& packet, Stamp now, LineOutput& out) {
 }
 
 void MipHost::advance(Stamp now, LineOutput& out) {
-  if (step_ == Step::kEnded || now < ask_again_) {
-    return;
-  }
-  if (tries_ == kTries) {
-    step_ = Step::kEnded;
-    state_ = DialogueState::kMute;
-    return;
-  }
-  send_step(now, out);
-}
-
-void MipHost::go(Step step, Stamp now, LineOutput& out) {
-  step_ = step;
-  tries_ = 0;
-  if (step != Step::kEnded) {
+  if (is_to_be_repeated(now)) {
     send_step(now, out);
   }
 }
 
+void MipHost::go(Step step, Stamp now, LineOutput& out) {
+  step_ = step;
+  begin_command();
+  send_step(now, out);
+}
+
 void MipHost::go_on(Stamp now, LineOutput& out) {
-  go(static_cast<Step>(static_cast<int>(step_) + 1), now, out);
-  if (step_ == Step::kEnded) {
-    state_ = refused_ ? DialogueState::kRefused : DialogueState::kConfigured;
+  if (step_ == Step::kResume) {
+    end();
+  } else {
+    go(static_cast<Step>(static_cast<int>(step_) + 1), now, out);
   }
 }
 
 void MipHost::refuse(std::uint8_t code, Stamp now, LineOutput& out) {
-  refused_ = true;
-  error_ = code;
+  note_refusal(code);
   go(Step::kResume, now, out);
 }
 
 void MipHost::send_step(Stamp now, LineOutput& out) {
-  ++tries_;
-  ask_again_ = now + kAnswerWait;
+  note_sent(now);
   if (step_ == Step::kFormat) {
     FixedVector<MipOutput, 5> outputs;
     for (const std::uint8_t descriptor : kFormats[format_]) {
@@ -116,7 +106,7 @@ bool MipHost::read_base_rate(const MipPacket& packet) {
       const int base_hz = load_be<std::uint16_t>(field.data, 1);
       const int decimation = std::max(1, (base_hz + wanted_hz_ / 2) / std::max(1, wanted_hz_));
       decimation_ = static_cast<std::uint16_t>(decimation);
-      rate_hz_ = base_hz / decimation;
+      promise(base_hz / decimation);
       return true;
     }
   }

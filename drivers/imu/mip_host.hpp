@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "core/base/stamp.hpp"
+#include "drivers/imu/dialogue.hpp"
 #include "drivers/imu/line_output.hpp"
 #include "drivers/imu/mip.hpp"
 
@@ -13,10 +14,8 @@ namespace slamd::imu {
 /// thread, port or clock: idle, base rate, message format, data stream, resume, each repeated until it is answered.
 /// A field that the model does not have is left out; one that does not tell its base rate is resumed as it was.
 /// Real-time: never allocates; one thread.
-class MipHost {
+class MipHost : public Dialogue {
  public:
-  static constexpr Duration kAnswerWait = std::chrono::milliseconds{300};
-  static constexpr int kTries = 5;
   static constexpr std::size_t kSampleBytes = 58;  // of the packet that is asked for first
 
   enum class Step : std::uint8_t { kIdle, kBaseRate, kFormat, kStream, kResume, kEnded };
@@ -30,14 +29,7 @@ class MipHost {
   /// Lets time pass: call it at least every 100 ms.
   void advance(Stamp now, LineOutput& out);
 
-  Step step() const { return step_; }
-  DialogueState state() const { return state_; }
-
-  /// kConfigured: the samples a second that come of the device's base rate.
-  int rate_hz() const { return rate_hz_; }
-
-  /// kRefused: the code of the answer.
-  std::uint8_t error() const { return error_; }
+  Step step() const { return is_under_way() ? step_ : Step::kEnded; }
 
  private:
   void go(Step step, Stamp now, LineOutput& out);
@@ -48,15 +40,9 @@ class MipHost {
   std::uint8_t command() const;
 
   Step step_ = Step::kEnded;
-  DialogueState state_ = DialogueState::kMute;
   int wanted_hz_ = 0;
-  int rate_hz_ = 0;
   std::uint16_t decimation_ = 1;
   std::size_t format_ = 0;  // which of the formats, the richest first
-  std::uint8_t error_ = 0;
-  bool refused_ = false;
-  int tries_ = 0;
-  Stamp ask_again_{};
 };
 
 }  // namespace slamd::imu

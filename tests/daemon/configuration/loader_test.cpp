@@ -119,9 +119,9 @@ TEST_F(LoaderTest, TakesThePortsOfALiveImu) {
   EXPECT_TRUE(serial.imu.is_live_port());
   EXPECT_EQ(serial.imu.device, "/dev/ttyS1");
   EXPECT_EQ(serial.imu.baud, 115'200);
-  EXPECT_EQ(serial.imu.protocol, ImuProtocol::kMip);
+  EXPECT_EQ(serial.imu.protocol, imu::Protocol::kMip);
   EXPECT_EQ(serial.imu.rate_hz, 250);
-  EXPECT_EQ(udp.imu.protocol, ImuProtocol::kCsv);
+  EXPECT_EQ(udp.imu.protocol, imu::Protocol::kCsv);
 }
 
 TEST_F(LoaderTest, KnowsThePortOfEachModelsData) {
