@@ -135,14 +135,17 @@ class EmulatedMip : public EmulatedImu {
     imu::MipFields fields(packet.payload);
     imu::MipField field;
     std::vector<std::byte> reply;
+    const auto add = [&](std::initializer_list<std::uint8_t> values) {
+      for (const std::uint8_t value : values) {
+        reply.push_back(std::byte{value});
+      }
+    };
     while (fields.next(field)) {
       const std::uint8_t code = obey(packet.set, field);
-      const std::uint8_t ack[] = {4, imu::mip::kAckField, field.descriptor, code};
-      std::transform(std::begin(ack), std::end(ack), std::back_inserter(reply), [](std::uint8_t value) { return std::byte{value}; });
+      add({4, imu::mip::kAckField, field.descriptor, code});
       if (packet.set == imu::mip::kSensorCommands && field.descriptor == imu::mip::kBaseRate && code == kOk) {
-        const std::uint8_t rate[] = {5, imu::mip::kBaseRateReply, imu::mip::kSensorData,
-                                     static_cast<std::uint8_t>(rate_hz_ >> 8), static_cast<std::uint8_t>(rate_hz_ & 0xFF)};
-        std::transform(std::begin(rate), std::end(rate), std::back_inserter(reply), [](std::uint8_t value) { return std::byte{value}; });
+        add({5, imu::mip::kBaseRateReply, imu::mip::kSensorData, static_cast<std::uint8_t>(rate_hz_ >> 8),
+             static_cast<std::uint8_t>(rate_hz_ & 0xFF)});
       }
     }
     if (!reply.empty() && reply.size() <= 255) {

@@ -88,7 +88,7 @@ ToNetworkReport send_to_network(const Recording& recording,
   }
   recording::PcapReader reader(recording.lidar);
   ToNetworkOptions options = wanted;
-  if (!options.imu_terminal.empty() && !recording.imu_csv.empty()) {
+  if (options.imu_protocol != imu::Protocol::kCsv && !recording.imu_csv.empty()) {  // rows need no rate
     options.imu_rate_hz = rate_of(recording.imu_csv);
   }
   NetworkPlayer player(recording.configuration.lidar, options, clock, stopped);
