@@ -79,7 +79,8 @@ UpdateResult iterated_update(const NavState& prior,
                              const map::VoxelMap& map,
                              const Se3& T_odom_imu_start,
                              const UpdateConfig& config,
-                             BoundedVector<registration::Constraint>& scratch) {
+                             BoundedVector<registration::Constraint>& scratch,
+                             const std::optional<Eigen::Vector3d>& remembered_weak_odom) {
   UpdateResult result;
   const Covariance P_prior_inverse = P_prior.ldlt().solve(Covariance::Identity());
   NavState state = conditioned_on_pose(prior, P_prior, T_odom_imu_start);
@@ -97,7 +98,7 @@ UpdateResult iterated_update(const NavState& prior,
     }
     if (associate) {
       result.localisability =
-          localisability_of(scratch.view(), sum.H, state.T_odom_imu, config.kernel_m, config.degenerate_share);
+          localisability_of(scratch.view(), sum.H, state.T_odom_imu, config.kernel_m, config.degenerate_share, remembered_weak_odom);
     }
     // A weak direction keeps the prior, but for what really faces it.
     if (result.localisability.weak.count != 0) {

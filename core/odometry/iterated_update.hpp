@@ -66,6 +66,7 @@ UpdateResult iterated_update(const inertial::NavState& prior,
                              const map::VoxelMap& map,
                              const geometry::Se3& T_odom_imu_start,
                              const UpdateConfig& config,
-                             BoundedVector<registration::Constraint>& scratch);
+                             BoundedVector<registration::Constraint>& scratch,
+                             const std::optional<Eigen::Vector3d>& remembered_weak_odom = std::nullopt);
 
 }  // namespace slamd::odometry

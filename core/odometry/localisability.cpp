@@ -11,9 +11,17 @@ namespace slamd::odometry {
 
 namespace {
 
+using geometry::Matrix6d;
 using registration::Constraint;
 
 constexpr double kWeakTurnShare = 0.01;  // of the information on the turns
+
+/// What a constraint weighs at a pose under the Cauchy kernel.  Units: 1/m².
+double weight_of(const Constraint& constraint, const geometry::Se3& T_odom_imu, double kernel_m) {
+  const Eigen::Vector3d p_odom = T_odom_imu * constraint.p_imu.cast<double>();
+  const double r = (constraint.n_odom.cast<double>().dot(p_odom) + static_cast<double>(constraint.d_m)) / kernel_m;
+  return static_cast<double>(constraint.inverse_variance) / (1.0 + r * r);
+}
 
 Eigen::Matrix3d marginal(const Eigen::Matrix3d& own, const Eigen::Matrix3d& cross, const Eigen::Matrix3d& other) {
   const double damping = 1e-9 * other.trace() + 1e-12;
@@ -45,17 +53,28 @@ std::uint8_t axes_of(const registration::WeakDirections& weak, const Eigen::Matr
   return bits;
 }
 
+/// The information less what the noise of the normals has put into it. Each normal is n + δn, and n nᵀ is larger by δn δnᵀ
+/// than it should be: along a tunnel that is more than all its walls say of the axis, and it turns the eigenvectors.
+Matrix6d without_tilts(std::span<const Constraint> constraints, const Matrix6d& information, const geometry::Se3& T_odom_imu,
+                       double kernel_m) {
+  const Eigen::Matrix3d R_imu_odom = T_odom_imu.rotation().transpose();
+  Matrix6d result = information;
+  for (const Constraint& constraint : constraints) {
+    const Eigen::Vector3d tilt = constraint.tilt_odom.cast<double>();
+    geometry::Vector6d J;
+    J << tilt, constraint.p_imu.cast<double>().cross(R_imu_odom * tilt);
+    result.noalias() -= weight_of(constraint, T_odom_imu, kernel_m) * J * J.transpose();
+  }
+  return result;
+}
+
 /// Part of the information that comes from surfaces which truly face a direction.
 double trusted_part(std::span<const Constraint> constraints, const geometry::Se3& T_odom_imu, double kernel_m,
                     const Eigen::Vector3d& direction) {
-  const Eigen::Matrix3f R = T_odom_imu.rotation().cast<float>();
-  const Eigen::Vector3f t = T_odom_imu.translation().cast<float>();
-  const auto inverse_kernel = static_cast<float>(1.0 / kernel_m);
   double trusted = 0.0;
   double all = 0.0;
   for (const Constraint& constraint : constraints) {
-    const float r = inverse_kernel * (constraint.n_odom.dot(R * constraint.p_imu + t) + constraint.d_m);
-    const auto weight = static_cast<double>(constraint.inverse_variance / (1.0F + r * r));
+    const double weight = weight_of(constraint, T_odom_imu, kernel_m);
     const double along = registration::trusted_along(constraint, direction);
     all += weight;
     trusted += weight * along * along;
@@ -69,7 +88,8 @@ Localisability localisability_of(std::span<const Constraint> constraints,
                                  const geometry::Matrix6d& information,
                                  const geometry::Se3& T_odom_imu,
                                  double kernel_m,
-                                 double share) {
+                                 double share,
+                                 const std::optional<Eigen::Vector3d>& remembered_odom) {
   const Eigen::Matrix3d position = information.topLeftCorner<3, 3>();
   const Eigen::Matrix3d rotation = information.bottomRightCorner<3, 3>();
   const Eigen::Matrix3d cross = information.topRightCorner<3, 3>();
@@ -77,25 +97,43 @@ Localisability localisability_of(std::span<const Constraint> constraints,
   if (position.trace() <= 0.0) {
     return result;
   }
+  const Eigen::Matrix3d held = marginal(position, cross, rotation);
   Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
-  solver.computeDirect(marginal(position, cross, rotation));
+  solver.computeDirect(held, Eigen::EigenvaluesOnly);
+  result.raw_share = std::max(0.0, solver.eigenvalues()[0] / solver.eigenvalues().sum());
+  const Matrix6d true_information = without_tilts(constraints, information, T_odom_imu, kernel_m);
+  solver.computeDirect(marginal(true_information.topLeftCorner<3, 3>(), true_information.topRightCorner<3, 3>(),
+                                true_information.bottomRightCorner<3, 3>()));
   result.weak_turns = weak_eigenvectors(marginal(rotation, cross.transpose(), position), kWeakTurnShare);
   for (std::size_t i = 0; i < result.weak_turns.count; ++i) {
     result.weak_turns.odom[i] = T_odom_imu.rotation() * result.weak_turns.odom[i];  // δθ is about the imu's own axes
   }
-  result.raw_share = std::max(0.0, solver.eigenvalues()[0] / solver.eigenvalues().sum());
-  for (int i = 0; i < 3; ++i) {
-    const Eigen::Vector3d direction = solver.eigenvectors().col(i);
+  const auto share_along = [&](const Eigen::Vector3d& direction) {
     // What of it a turn could not explain as well.
     const double seen = direction.dot(position * direction);
-    const double held = seen > 0.0 ? std::max(0.0, solver.eigenvalues()[i]) / seen : 0.0;
-    const double trusted = held * trusted_part(constraints, T_odom_imu, kernel_m, direction);
+    const double held_share = seen > 0.0 ? std::max(0.0, direction.dot(held * direction)) / seen : 0.0;
+    return held_share * trusted_part(constraints, T_odom_imu, kernel_m, direction);
+  };
+  for (int i = 0; i < 3; ++i) {
+    const Eigen::Vector3d direction = solver.eigenvectors().col(i);
+    const double trusted = share_along(direction);
     if (i == 0) {
       result.weakest_odom = direction;
       result.share = trusted;
     }
     if (trusted < share) {
       result.weak.odom[result.weak.count++] = direction;
+    }
+  }
+  result.own_weak = result.weak.count;
+  if (remembered_odom) {
+    result.remembered_share = share_along(*remembered_odom);
+    Eigen::Vector3d more = *remembered_odom;
+    for (std::size_t i = 0; i < result.weak.count; ++i) {
+      more -= more.dot(result.weak.odom[i]) * result.weak.odom[i];
+    }
+    if (result.weak.count < 2 && more.norm() > M_SQRT1_2) {
+      result.weak.odom[result.weak.count++] = more.normalized();
     }
   }
   return result;

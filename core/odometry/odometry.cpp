@@ -66,6 +66,7 @@ void Odometry::begin() {
   bad_scans_ = 0;
   confirmed_ = true;
   was_weak_ = false;
+  weak_memory_.clear();
   agreeing_scans_ = unconfirmed_scans_ = unmet_scans_ = restart_said_ = 0;
   last_scan_end_ = Stamp{};
   motion_ = MotionStep{};
@@ -122,6 +123,8 @@ OdometryResult Odometry::process(const DeskewedScan& scan,
   const double moved_m = (posterior.state.T_odom_imu.translation() - state_.T_odom_imu.translation()).norm();
   path_m_ += moved_m;
   if (posterior.enough) {
+    weak_memory_.note(posterior.localisability, std::min(posterior.matched_ratio, posterior.inlier_ratio),
+                      posterior.state.T_odom_imu * config_.T_base_imu.inverse());
     wheels_.follow(state_, P_, posterior.state, posterior.P);
   }
   state_ = posterior.state;
@@ -199,8 +202,9 @@ void Odometry::coast(bool without_imu) {
 }
 
 UpdateResult Odometry::update(const DeskewedScan& scan, Cause prediction_cause, psf::Answer& swarm) {
-  const UpdateResult plain =
-      iterated_update(state_, P_, scan, map_, state_.T_odom_imu, config_.update, constraints_);
+  const std::optional<Eigen::Vector3d> remembered_weak_odom = weak_memory_.direction_odom();
+  const UpdateResult plain = iterated_update(state_, P_, scan, map_, state_.T_odom_imu, config_.update, constraints_,
+                                             remembered_weak_odom);
   if (config_.filter == Filter::kIekf) {
     return plain;
   }
@@ -217,8 +221,8 @@ UpdateResult Odometry::update(const DeskewedScan& scan, Cause prediction_cause, 
   }
   // The winner is where the final EKF update is linearised. Where the prior excludes it, the prior was wrong.
   widen_where_excluded(state_, swarm.T_odom_imu, P_);
-  UpdateResult posterior =
-      iterated_update(state_, P_, scan, map_, swarm.T_odom_imu, config_.update, constraints_);
+  UpdateResult posterior = iterated_update(state_, P_, scan, map_, swarm.T_odom_imu, config_.update, constraints_,
+                                           remembered_weak_odom);
   posterior.innovation = 0.0;  // it was judged by the gate
   return posterior;
 }

@@ -11,6 +11,7 @@
 #include "core/odometry/motion_covariance.hpp"
 #include "core/odometry/odometry_config.hpp"
 #include "core/odometry/state.hpp"
+#include "core/odometry/weak_memory.hpp"
 #include "core/psf/particle_swarm_filter.hpp"
 
 namespace slamd::odometry {
@@ -114,6 +115,7 @@ class Odometry {
   // Whether the pose hangs together with the map: not after a gap, until the map has agreed a few times.
   bool confirmed_ = true;
   bool was_weak_ = false;           // when it last did
+  WeakMemory weak_memory_;
   int agreeing_scans_ = 0;
   int unconfirmed_scans_ = 0;
   int unmet_scans_ = 0;             // of these: in a row with little of the old map

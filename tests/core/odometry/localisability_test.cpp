@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <random>
 #include <vector>
 
 namespace slamd::odometry {
@@ -64,6 +66,50 @@ TEST(Localisability, DoesNotTakeTheNoiseOfNormalsForWallsAcross) {
   EXPECT_GT(found.raw_share, kShare);
   EXPECT_LT(found.share, kShare);
   EXPECT_GT(std::abs(found.weakest_odom.x()), 0.99);
+}
+
+/// What a sensor that looks ahead sees of a tunnel: the left wall farther on than the right one, and the floor.
+std::vector<Constraint> tunnel_ahead(float tilt_rad, bool declared) {
+  std::mt19937 random(7);
+  std::normal_distribution<float> noise(0.0F, tilt_rad);
+  std::uniform_real_distribution<float> unit(0.0F, 1.0F);
+  std::vector<Constraint> constraints;
+  for (int i = 0; i < 3000; ++i) {
+    const bool left = i % 3 == 0;
+    const bool right = i % 3 == 1;
+    const Eigen::Vector3f n = left ? Eigen::Vector3f::UnitY() : right ? Eigen::Vector3f(-Eigen::Vector3f::UnitY()) : Eigen::Vector3f::UnitZ();
+    Constraint constraint;
+    constraint.p_imu = left ? Eigen::Vector3f(10.0F + 10.0F * unit(random), 6.0F, 2.0F * unit(random))
+                     : right ? Eigen::Vector3f(5.0F + 5.0F * unit(random), -3.0F, 2.0F * unit(random))
+                             : Eigen::Vector3f(5.0F + 15.0F * unit(random), 2.0F * unit(random), -1.0F);
+    constraint.n_odom = (n + noise(random) * Eigen::Vector3f::UnitX()).normalized();
+    constraint.tilt_odom = declared ? Eigen::Vector3f(tilt_rad * Eigen::Vector3f::UnitX()) : Eigen::Vector3f::Zero();
+    constraint.d_m = -constraint.n_odom.dot(constraint.p_imu);
+    constraints.push_back(constraint);
+  }
+  return constraints;
+}
+
+TEST(Localisability, IsNotTurnedAsideByTheNoiseOfNormals) {
+  const auto aside_rad = [](const std::vector<Constraint>& constraints) {
+    return std::acos(std::min(1.0, std::abs(judged(constraints).weakest_odom.x())));
+  };
+
+  EXPECT_LT(aside_rad(tunnel_ahead(0.2F, true)), 0.03);
+  EXPECT_GT(aside_rad(tunnel_ahead(0.2F, false)), 0.06);
+}
+
+TEST(Localisability, KeepsToARememberedDirection) {
+  const std::vector<Constraint> closed = tunnel(Eigen::Vector3f::UnitX(), 0.1F, 300);
+  const geometry::Matrix6d information = registration::linearize(closed, Se3{}, kKernel_m).H;
+
+  const Localisability found =
+      localisability_of(closed, information, Se3{}, kKernel_m, kShare, Eigen::Vector3d(Eigen::Vector3d::UnitX()));
+
+  EXPECT_EQ(found.own_weak, 0U);
+  ASSERT_EQ(found.weak.count, 1U);
+  EXPECT_EQ(found.weak.odom[0], Eigen::Vector3d::UnitX());
+  EXPECT_NEAR(found.remembered_share, found.share, 0.5 * found.share);
 }
 
 TEST(Localisability, SeesTheWallAtTheEnd) {
