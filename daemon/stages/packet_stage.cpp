@@ -163,7 +163,7 @@ std::vector<std::string> PacketStage::remarks() const {
                     " packets carry product byte " + hex(velodyne_.report().last_product) +
                     ", which is not the configured model's");
   }
-  if (positions_ != 0 && !position_.has_sentence) {
+  if (positions_ != 0 && position_.sentence.empty()) {
     lines.emplace_back("position packets carry no NMEA sentence: the sensor hears no GNSS");
   }
   if (foreign_ != 0) {
