@@ -1,5 +1,6 @@
 #include "daemon/pipeline/health_monitor.hpp"
 
+#include <algorithm>
 #include <cstdio>
 #include <system_error>
 
@@ -208,7 +209,7 @@ bus::Health HealthMonitor::read(const Pipeline& pipeline, Stamp now, const std::
   health.stages.push_back(stage("imu to pose", pipeline.publish().pose_monitor()));
   health.pools.push_back(pool_health("blocks", pipeline.rings().block_pool));
   health.pools.push_back(pool_health("scans", pipeline.rings().job_pool));
-  const auto count = [&](const char* name, std::uint64_t value) { health.counters.push_back({name, value}); };
+  const auto count = [&](const char* name, std::uint64_t value) { health.counters.try_push_back({name, value}); };
   count("poses", pipeline.publish().counts().poses);
   count("scans", odometry.scans);
   count("scans_skipped", odometry.skipped);
@@ -225,6 +226,9 @@ bus::Health HealthMonitor::read(const Pipeline& pipeline, Stamp now, const std::
     const bool fresh = state.last_message != Stamp{} && now - state.last_message < kGnssSilent;
     count("gnss_quality", fresh ? static_cast<std::uint64_t>(state.newest.quality) : 0);
     count("gnss_satellites", fresh ? state.newest.satellites : 0);
+    if (state.last_good != Stamp{}) {
+      count("gnss_age_ms", static_cast<std::uint64_t>(std::max(Duration{}, now - state.last_good) / std::chrono::milliseconds(1)));
+    }
   }
   health.swarm_use = odometry.scans == 0 ? 0.0F
                                          : static_cast<float>(odometry.swarm_won) / static_cast<float>(odometry.scans);
