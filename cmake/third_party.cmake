@@ -29,6 +29,8 @@ find_library(PCAP_LIBRARY pcap REQUIRED)
 # Debian's liblcm-dev has no CMake package, and its lcm.pc asks for glib's headers, which nobody needs.
 find_path(LCM_INCLUDE lcm/lcm.h REQUIRED)
 find_library(LCM_LIBRARY lcm REQUIRED)
+find_path(GEOGRAPHICLIB_INCLUDE GeographicLib/LocalCartesian.hpp REQUIRED)
+find_library(GEOGRAPHICLIB_LIBRARY NAMES GeographicLib Geographic REQUIRED)
 
 slamd_third_party(eigen LIBRARIES Eigen3::Eigen)
 slamd_third_party(threads LIBRARIES Threads::Threads)
@@ -38,6 +40,8 @@ slamd_third_party(spdlog LIBRARIES spdlog::spdlog TRIPWIRES spdlog/spdlog.h)
 slamd_third_party(nlohmann_json INCLUDES ${NLOHMANN_JSON_INCLUDE} TRIPWIRES nlohmann/json.hpp)
 slamd_third_party(png LIBRARIES PNG::PNG TRIPWIRES png.h)
 slamd_third_party(pcap LIBRARIES ${PCAP_LIBRARY} INCLUDES ${PCAP_INCLUDE} TRIPWIRES pcap.h pcap/pcap.h)
+slamd_third_party(geographiclib LIBRARIES ${GEOGRAPHICLIB_LIBRARY} INCLUDES ${GEOGRAPHICLIB_INCLUDE}
+  TRIPWIRES GeographicLib/LocalCartesian.hpp)
 slamd_third_party(lcm LIBRARIES ${LCM_LIBRARY} INCLUDES ${LCM_INCLUDE} TRIPWIRES lcm/lcm.h lcm/lcm-cpp.hpp)
 
 if(SLAMD_BUILD_TESTS)

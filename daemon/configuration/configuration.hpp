@@ -87,8 +87,13 @@ struct WheelConfiguration {
 
 struct GnssConfiguration {
   bool use = false;
-  std::string source;
+  std::string source;  // file in the recording, "velodyne" (position packets), or live "serial"
+  std::string device;  // terminal of "serial"
+  int baud = 0;        // its rate; 0: is found by listening
   geometry::Se3 T_base_antenna;
+
+  bool is_serial() const { return source == "serial"; }
+  bool is_velodyne() const { return source == "velodyne"; }
 };
 
 struct OutputConfiguration {

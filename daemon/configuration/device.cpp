@@ -10,6 +10,9 @@ namespace slamd::configuration {
 std::optional<DeviceFault> device_fault(const LidarConfiguration& lidar) {
   const DeviceConfiguration& device = lidar.device;
   const bool mid360 = lidar.model == LidarModel::kLivoxMid360;
+  if (device.set_utc && (!device.is_kept() || lidar.model != LidarModel::kLivoxAvia)) {
+    return DeviceFault{"lidar.device.set_utc", "true", "is for a Livox Avia that slamd keeps; see lidar.device.code"};
+  }
   if (!device.is_kept()) {
     return std::nullopt;
   }

@@ -16,6 +16,7 @@ struct DeviceConfiguration {
   DeviceCoordinates coordinates = DeviceCoordinates::kCartesian;
   DeviceReturns returns = DeviceReturns::kUnchanged;
   bool take_over = true;  // a Mid-360 that is set to send to another host
+  bool set_utc = false;   // an SDK1 device with PPS is told each second's UTC
   int command_port = 0;   // of this host; 0: the SDK's
   int state_port = 56201;
 

@@ -189,6 +189,7 @@ void add_device_keys(std::vector<Key>& keys) {
   keys.push_back(choice<C>("lidar.device.coordinates", {{"cartesian", C::kCartesian}, {"spherical", C::kSpherical}}, "Of the points that the device is told to send.", SLAMD_FIELD(lidar.device.coordinates)));
   keys.push_back(choice<R>("lidar.device.returns", {{"unchanged", R::kUnchanged}, {"first", R::kFirst}, {"strongest", R::kStrongest}, {"dual", R::kDual}, {"triple", R::kTriple}}, "Echoes that an Avia is told to send.", SLAMD_FIELD(lidar.device.returns)));
   keys.push_back(boolean("lidar.device.take_over", "Take a Mid-360 that is set to send to another host.", SLAMD_FIELD(lidar.device.take_over)));
+  keys.push_back(boolean("lidar.device.set_utc", "Tell an Avia with PPS each second's UTC, from the receiver at gnss.source = \"serial\".", SLAMD_FIELD(lidar.device.set_utc)));
   keys.push_back(number("lidar.device.command_port", 0, 65535, "Of this host, for commands to the device; 0: the SDK's (55501, 56101).", SLAMD_FIELD(lidar.device.command_port)));
   keys.push_back(number("lidar.device.state_port", 1, 65535, "Of this host, for a Mid-360's state.", SLAMD_FIELD(lidar.device.state_port)));
 }
@@ -248,7 +249,9 @@ void add_sensor_keys(std::vector<Key>& keys) {
   keys.push_back(boolean("wheel.use", "Use wheel odometry where there is a source.", SLAMD_FIELD(wheel.use)));
   keys.push_back(text("wheel.source", "A CSV file of the recording; the live daemon has no wheels yet.", SLAMD_FIELD(wheel.source)));
   keys.push_back(boolean("gnss.use", "Use positions in the graph (a later release).", SLAMD_FIELD(gnss.use)));
-  keys.push_back(text("gnss.source", "A CSV file of the recording (read by a later release).", SLAMD_FIELD(gnss.source)));
+  keys.push_back(text("gnss.source", "A file of the recording (CSV, or a receiver's NMEA and UBX), or \"velodyne\" for the sentences of its position packets; live also \"serial\", but no file.", SLAMD_FIELD(gnss.source)));
+  keys.push_back(text("gnss.device", "Live, \"serial\": the terminal, such as /dev/ttyACM0, or better a link below /dev/serial/by-id.", SLAMD_FIELD(gnss.device)));
+  keys.push_back(number("gnss.baud", 0, 4000000, "Live, \"serial\": its rate, one of the standard ones; 0: found by listening.", SLAMD_FIELD(gnss.baud)));
   add_transform(keys, "gnss.T_base_antenna", "The antenna's place in base.",
                 [](Configuration& c) -> geometry::Se3& { return c.gnss.T_base_antenna; },
                 [](const Configuration& c) { return std::optional<geometry::Se3>(c.gnss.T_base_antenna); });

@@ -216,9 +216,19 @@ void Loader::check_together(const Configuration& configuration, const std::map<s
   }
   refuse_if(imu.baud != 0 && !transport::SerialPort::is_standard_rate(imu.baud), "imu.baud", std::to_string(imu.baud),
             "must be a standard rate, such as 115200, 230400, 460800 or 921600, or 0");
+  const GnssConfiguration& gnss = configuration.gnss;
+  refuse_if(gnss.baud != 0 && !transport::SerialPort::is_standard_rate(gnss.baud), "gnss.baud", std::to_string(gnss.baud),
+            "must be a standard rate, such as 9600, 38400 or 115200, or 0");
+  refuse_if(gnss.is_serial() && gnss.device.empty(), "gnss.source", "\"serial\"",
+            "needs gnss.device, the terminal, such as \"/dev/ttyACM0\"");
+  refuse_if(gnss.is_velodyne() && (is_livox(lidar.model) || lidar.model == LidarModel::kPoints), "gnss.source",
+            "\"velodyne\"", "lidar.model sends no position packets");
+  refuse_if(lidar.device.set_utc && !gnss.is_serial(), "lidar.device.set_utc", "true", "needs gnss.source = \"serial\"");
   if (!imu.enabled) {
     return;
   }
+  refuse_if(gnss.is_serial() && imu.source == "serial" && gnss.device == imu.device, "gnss.device", quoted(gnss.device),
+            "is the terminal of the inertial sensor");
   const bool livox = is_livox(lidar.model);
   const bool mid360 = lidar.model == LidarModel::kLivoxMid360;
   refuse_if(imu.source == "livox" && !livox, "imu.source", "\"livox\"", "lidar.model has no built-in inertial sensor");

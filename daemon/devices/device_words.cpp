@@ -18,7 +18,21 @@ std::string concerns_in(std::uint32_t status_code) {
   return words;
 }
 
+/// What a device lacks that is told the UTC; empty: nothing.
+std::string_view lacks_of(const livox::StatusCode& status) {
+  if (status.time_sync == livox::TimeSync::kGps || status.time_sync == livox::TimeSync::kPtp) {
+    return {};
+  }
+  if (!status.pps_present) {
+    return "hears no PPS, and so cannot use the UTC that it is told";
+  }
+  return status.time_sync == livox::TimeSync::kPps ? "follows PPS, but has taken no UTC yet" : "hears PPS, but does not follow it yet";
+}
+
 }  // namespace
+
+DeviceWords::DeviceWords(bool shared_clock, bool told_utc)
+    : shared_clock_(shared_clock), told_utc_(told_utc), lacks_(lacks_of({})) {}
 
 void DeviceWords::take(const HostEvent& event) {
   held_ = event.kind == HostEventKind::kHeldByOther || (held_ && event.kind == HostEventKind::kNotSeen);
@@ -57,6 +71,7 @@ void DeviceWords::take(const HostEvent& event) {
       break;
     case HostEventKind::kStatusChanged:
       abnormal_ = concerns_in(event.value);
+      lacks_ = lacks_of(livox::parse_status_code(event.value));
       follows_none_ = livox::parse_status_code(event.value).time_sync == livox::TimeSync::kNone;
       break;
     case HostEventKind::kSyncChanged:
@@ -81,6 +96,9 @@ void DeviceWords::take(const HostEvent& event) {
 }
 
 std::string DeviceWords::cause(bool samples, std::string_view state_name) const {
+  if (samples && abnormal_.empty() && told_utc_ && !lacks_.empty()) {
+    return std::string(lacks_);
+  }
   if (samples && abnormal_.empty() && shared_clock_ && follows_none_) {
     return "follows no clock, though lidar.clock is \"shared\"";
   }

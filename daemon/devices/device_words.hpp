@@ -10,8 +10,9 @@ namespace slamd::devices {
 /// What is wrong with a device, or what it is busy with, in words short enough for health: made of the events of its host.
 class DeviceWords {
  public:
-  /// With a shared clock, a device that follows no other clock is a fault.
-  explicit DeviceWords(bool shared_clock = false) : shared_clock_(shared_clock) {}
+  /// With a shared clock, a device that follows no other clock is a fault; one that is told the UTC should follow GPS, or PTP,
+  /// which it prefers.
+  explicit DeviceWords(bool shared_clock = false, bool told_utc = false);
 
   void take(const livox::HostEvent& event);
 
@@ -20,6 +21,8 @@ class DeviceWords {
 
  private:
   bool shared_clock_;
+  bool told_utc_;
+  std::string_view lacks_;  // of what following GPS takes, as its status says
   bool follows_none_ = false;
   bool held_ = false;     // by another host, when something was last told
   std::string busy_;      // until it samples

@@ -1,8 +1,8 @@
 #include "daemon/devices/livox_device.hpp"
 
 #include <optional>
+#include <utility>
 
-#include "drivers/livox/sdk1_host.hpp"
 #include "drivers/livox/sdk2_host.hpp"
 #include "drivers/transport/interfaces.hpp"
 
@@ -74,7 +74,8 @@ std::unique_ptr<livox::DeviceHost> make_host(const Configuration& configuration)
 }
 
 LivoxDevice::LivoxDevice(const Configuration& configuration)
-    : host_(make_host(configuration)), words_(configuration.lidar.clock == configuration::SensorClock::kShared) {
+    : host_(make_host(configuration)), words_(configuration.lidar.clock == configuration::SensorClock::kShared, configuration.lidar.device.set_utc) {
+  timed_ = configuration.lidar.device.set_utc ? dynamic_cast<livox::Sdk1Host*>(host_.get()) : nullptr;
   const bool avia = configuration.lidar.model == LidarModel::kLivoxAvia;
   const auto bind = [&](int port, DatagramSocket::Sharing sharing) {
     sockets_.push_back(std::make_unique<DatagramSocket>(static_cast<std::uint16_t>(port), sharing));
@@ -116,6 +117,16 @@ void LivoxDevice::run_once(Stamp now, Stamp data, const Say& say) {
   hand_out(say);
 }
 
+void LivoxDevice::tell_time(const sensor::GnssFix& fix, Stamp now) {
+  if (timed_ == nullptr || !host_->is_connected()) {
+    return;
+  }
+  if (const std::optional<livox::Sdk1Utc> utc = utc_.due(fix, now)) {
+    timed_->set_utc(*utc, out_);
+    send_out();
+  }
+}
+
 void LivoxDevice::stop(const Say& say) {
   host_->stop(out_);
   hand_out(say);
@@ -133,8 +144,17 @@ void LivoxDevice::look_at_interfaces() {
 void LivoxDevice::hand_out(const Say& say) {
   for (const livox::HostEvent& event : out_.events) {
     words_.take(event);
+    if (event.kind == livox::HostEventKind::kTimeSet && std::exchange(time_was_set_, true)) {
+      continue;  // once a second
+    }
+    time_was_set_ = time_was_set_ && event.kind != livox::HostEventKind::kConnected;
     say("device " + std::to_string(static_cast<int>(event.kind)) + event.command, words_for(event));
   }
+  out_.events.clear();
+  send_out();
+}
+
+void LivoxDevice::send_out() {
   for (const livox::HostOutput::Datagram& datagram : out_.datagrams) {
     for (const auto& socket : sockets_) {
       if (socket->port() == datagram.from_port) {
@@ -142,7 +162,7 @@ void LivoxDevice::hand_out(const Say& say) {
       }
     }
   }
-  out_.clear();
+  out_.datagrams.clear();
 }
 
 }  // namespace slamd::devices

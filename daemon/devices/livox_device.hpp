@@ -8,7 +8,9 @@
 #include "core/base/stamp.hpp"
 #include "daemon/configuration/configuration.hpp"
 #include "daemon/devices/device_words.hpp"
+#include "daemon/devices/utc_feed.hpp"
 #include "drivers/livox/device_host.hpp"
+#include "drivers/livox/sdk1_host.hpp"
 #include "drivers/transport/datagram_socket.hpp"
 
 namespace slamd::devices {
@@ -51,6 +53,9 @@ class LivoxDevice {
   /// data: when its newest data came.
   void run_once(Stamp now, Stamp data, const Say& say);
 
+  /// Tells the device the UTC of a receiver's newest fix, when it is a new second's, and that is configured.
+  void tell_time(const sensor::GnssFix& fix, Stamp now);
+
   /// Stops the device and lets it go.
   void stop(const Say& say);
 
@@ -63,12 +68,16 @@ class LivoxDevice {
  private:
   void look_at_interfaces();
   void hand_out(const Say& say);
+  void send_out();
 
   std::unique_ptr<livox::DeviceHost> host_;
   std::vector<std::unique_ptr<transport::DatagramSocket>> sockets_;
   livox::HostOutput out_;
   DeviceWords words_;
   DataWatch data_watch_;
+  livox::Sdk1Host* timed_ = nullptr;  // the host, where it is to be told the time
+  UtcFeed utc_;
+  bool time_was_set_ = false;  // since it was connected
 };
 
 }  // namespace slamd::devices

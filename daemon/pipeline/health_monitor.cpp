@@ -1,5 +1,6 @@
 #include "daemon/pipeline/health_monitor.hpp"
 
+#include <algorithm>
 #include <cstdio>
 #include <system_error>
 
@@ -14,6 +15,9 @@ using bus::TimeState;
 using threads::Event;
 
 namespace {
+
+/// Receivers speak once a second.
+constexpr Duration kGnssSilent = std::chrono::seconds(3);
 
 std::string with_seconds(const char* pattern, Duration duration) {
   char text[96];
@@ -68,6 +72,7 @@ HealthMonitor::HealthMonitor(const configuration::Configuration& configuration, 
     : lidar_name_(name_of(configuration.lidar.model)),
       imu_enabled_(configuration.imu.enabled),
       shared_clock_(configuration.lidar.clock == configuration::SensorClock::kShared),
+      gnss_enabled_(configuration.gnss.is_serial() || configuration.gnss.is_velodyne()),
       started_(started) {}
 
 void HealthMonitor::Rate::update(std::uint64_t new_count, Stamp now) {
@@ -99,10 +104,41 @@ SensorHealth HealthMonitor::imu(const Pipeline& pipeline, Stamp now) {
   return health;
 }
 
+SensorHealth HealthMonitor::gnss(const Pipeline& pipeline, Stamp now) {
+  const stages::GnssState state = pipeline.gnss();
+  SensorHealth health;
+  health.name = "gnss";
+  health.state = state.last_bytes == Stamp{} ? SensorState::kWaiting
+                 : now - state.last_message < kGnssSilent ? SensorState::kRunning
+                                                          : SensorState::kSilent;
+  health.received = state.good;
+  health.dropped = state.fixes - state.good + state.damaged;
+  fixes_.update(state.good, now);
+  health.rate_hz = static_cast<float>(fixes_.hz);
+  return health;
+}
+
+std::string gnss_cause(const stages::GnssState& state, Stamp now) {
+  if (state.last_bytes == Stamp{}) {
+    return "gnss: no GNSS bytes yet";
+  }
+  if (now - state.last_bytes > kGnssSilent) {
+    return with_seconds("gnss: no GNSS bytes for %.1f s", now - state.last_bytes);
+  }
+  if (now - state.last_message > kGnssSilent) {
+    return "gnss: bytes arrive, but neither NMEA nor UBX: another rate?";
+  }
+  if (state.last_good == Stamp{}) {
+    return "gnss: no fix yet, " + std::to_string(state.newest.satellites) + " satellites";
+  }
+  return now - state.last_good > kGnssSilent
+             ? with_seconds("gnss: no fix for %.1f s", now - state.last_good) + ", " + std::to_string(state.newest.satellites) + " satellites"
+             : "";
+}
+
 void HealthMonitor::add_causes(const Pipeline& pipeline, Stamp now, bus::Health& health) const {
   const auto say = [&](const std::string& words) { health.causes.try_push_back(bus::Text<79>(std::string_view(words))); };
   const ReceiveCounts receive = pipeline.receive().counts();
-  const OdometryCounts odometry = pipeline.odometry().counts();
   const auto judge = [&](const std::string& name, const SensorCounts& counts) {
     if (counts.last == Stamp{}) {
       say(name + (counts.dropped > 0 ? ": packets arrive, but none is the sensor's" : ": nothing received yet"));
@@ -117,6 +153,18 @@ void HealthMonitor::add_causes(const Pipeline& pipeline, Stamp now, bus::Health&
       say("imu: " + std::string(fault));
     }
   }
+  add_odometry_causes(pipeline, now, say);
+  if (gnss_enabled_) {
+    if (const std::string words = gnss_cause(pipeline.gnss(), now); !words.empty()) {
+      say(words);  // last: nothing else depends on it
+    }
+  }
+}
+
+template <typename Say>
+void HealthMonitor::add_odometry_causes(const Pipeline& pipeline, Stamp now, Say&& say) const {
+  const ReceiveCounts receive = pipeline.receive().counts();
+  const OdometryCounts odometry = pipeline.odometry().counts();
   if (odometry.epoch != pipeline.epoch()) {
     if (imu_enabled_ && !pipeline.preprocess().counts().aligned && receive.imu.last != Stamp{}) {
       say("imu: being levelled");
@@ -141,6 +189,9 @@ bus::Health HealthMonitor::read(const Pipeline& pipeline, Stamp now, const std::
   if (imu_enabled_) {
     health.sensors.push_back(imu(pipeline, now));
   }
+  if (gnss_enabled_) {
+    health.sensors.push_back(gnss(pipeline, now));
+  }
   health.state = odometry.epoch == pipeline.epoch() ? static_cast<bus::State>(odometry.state) : bus::State::kStarting;
   const bool silent = !hears(receive.lidar, now) || (imu_enabled_ && !hears(receive.imu, now));
   if ((silent || waits_for_scan(odometry, now)) && health.state == bus::State::kTracking) {
@@ -158,7 +209,7 @@ bus::Health HealthMonitor::read(const Pipeline& pipeline, Stamp now, const std::
   health.stages.push_back(stage("imu to pose", pipeline.publish().pose_monitor()));
   health.pools.push_back(pool_health("blocks", pipeline.rings().block_pool));
   health.pools.push_back(pool_health("scans", pipeline.rings().job_pool));
-  const auto count = [&](const char* name, std::uint64_t value) { health.counters.push_back({name, value}); };
+  const auto count = [&](const char* name, std::uint64_t value) { health.counters.try_push_back({name, value}); };
   count("poses", pipeline.publish().counts().poses);
   count("scans", odometry.scans);
   count("scans_skipped", odometry.skipped);
@@ -170,6 +221,15 @@ bus::Health HealthMonitor::read(const Pipeline& pipeline, Stamp now, const std::
     count("samples_clipped", receive.samples_clipped);
   }
   count("resets", pipeline.publish().counts().reset_counter);
+  if (gnss_enabled_) {
+    const stages::GnssState state = pipeline.gnss();
+    const bool fresh = state.last_message != Stamp{} && now - state.last_message < kGnssSilent;
+    count("gnss_quality", fresh ? static_cast<std::uint64_t>(state.newest.quality) : 0);
+    count("gnss_satellites", fresh ? state.newest.satellites : 0);
+    if (state.last_good != Stamp{}) {
+      count("gnss_age_ms", static_cast<std::uint64_t>(std::max(Duration{}, now - state.last_good) / std::chrono::milliseconds(1)));
+    }
+  }
   health.swarm_use = odometry.scans == 0 ? 0.0F
                                          : static_cast<float>(odometry.swarm_won) / static_cast<float>(odometry.scans);
   health.particles = odometry.particles;
@@ -201,6 +261,9 @@ std::string sentence(const threads::EventRecord& record) {
     case Event::kImuRefused: return "the inertial sensor refuses its configuration (code " + number + "), and goes on as it was";
     case Event::kImuTakenAsItIs: return "the inertial sensor does not answer, but sends: it is taken as it is";
     case Event::kImuMute: return "the inertial sensor neither sends nor answers; it is asked again";
+    case Event::kGnssFound: return "the receiver is heard at " + number + " baud";
+    case Event::kGnssFix: return "the receiver has a fix";
+    case Event::kGnssNoFix: return "the receiver has no fix";
     case Event::kBlockPoolEmpty: return "no free block: " + number + " packets dropped so far";
     case Event::kScanDropped: return "no free job: " + number + " scans dropped so far";
     case Event::kScanSkipped: return "the odometry is late: " + number + " scans skipped so far";

@@ -27,15 +27,23 @@ class HealthMonitor {
 
   bus::SensorHealth lidar(const Pipeline& pipeline, Stamp now);
   bus::SensorHealth imu(const Pipeline& pipeline, Stamp now);
+  bus::SensorHealth gnss(const Pipeline& pipeline, Stamp now);
   void add_causes(const Pipeline& pipeline, Stamp now, bus::Health& health) const;
+  template <typename Say>
+  void add_odometry_causes(const Pipeline& pipeline, Stamp now, Say&& say) const;
 
   std::string lidar_name_;
   bool imu_enabled_;
   bool shared_clock_;
+  bool gnss_enabled_;
   Stamp started_;
   Rate scans_;
   Rate samples_;
+  Rate fixes_;
 };
+
+/// Says what a satellite receiver lacks; empty: it has a fix.
+std::string gnss_cause(const stages::GnssState& state, Stamp now);
 
 /// Names an event's cause: events of the same one are repetitions of each other, whatever numbers they carry.
 std::string cause_of(const threads::EventRecord& record);

@@ -42,6 +42,9 @@ Pipeline::Pipeline(const Configuration& configuration, const transport::HostCloc
   if (SerialLine* line = receive_.serial_line(); line != nullptr) {
     serial_ = std::make_unique<SerialLoop>(configuration, clock, *line);
   }
+  if (configuration.gnss.is_serial()) {
+    gnss_ = std::make_unique<GnssLoop>(configuration, clock);
+  }
 }
 
 Pipeline::~Pipeline() { stop(); }
@@ -71,12 +74,16 @@ void Pipeline::start() {
   if (serial_) {
     serial_thread_ = thread("slamd-serial", {}, *serial_);
   }
+  if (gnss_) {
+    gnss_thread_ = thread("slamd-gnss", {}, *gnss_);
+  }
 }
 
 void Pipeline::stop() {
   stopping_ = true;
   threads_.clear();
   serial_thread_.reset();
+  gnss_thread_.reset();
 }
 
 bool Pipeline::is_fifo() const {
@@ -107,7 +114,7 @@ std::vector<MemoryItem> memory_plan(const Configuration& configuration) {
       {"map, fine cells", odometry.map.max_cells, sizeof(map::PointCell) + 32 + 2 * sizeof(std::uint32_t)},
       {"map, coarse cells", odometry.map.max_surface_cells + odometry.map.max_surface_cells / 6,
        sizeof(map::SurfaceCell) + 32 + 2 * sizeof(std::uint32_t)},
-      {"thread stacks", configuration.imu.source == "serial" ? 5U : 4U, threads::RealTimeThread::kStackBytes},
+      {"thread stacks", 4U + (configuration.imu.source == "serial" ? 1U : 0U) + (configuration.gnss.is_serial() ? 1U : 0U), threads::RealTimeThread::kStackBytes},
   };
 }
 

@@ -7,6 +7,7 @@
 
 #include "daemon/bus/publisher.hpp"
 #include "daemon/configuration/configuration.hpp"
+#include "daemon/pipeline/gnss_loop.hpp"
 #include "daemon/pipeline/odometry_loop.hpp"
 #include "daemon/pipeline/preprocess_loop.hpp"
 #include "daemon/pipeline/publish_loop.hpp"
@@ -23,7 +24,8 @@ namespace slamd::pipeline {
 ///                      │  └──inertial──────▲   ▲───feedback───┘                   ▲
 ///                      └──inertial────────────────────────────────────────────────┘
 ///
-/// A serial port is opened, set and given up by a thread of its own, which may block; receive reads from it meanwhile.
+/// A serial port is opened, set and given up by a thread of its own, which may block; receive reads from it meanwhile. A
+/// satellite receiver's port has one to itself; its fixes go to housekeeping alone, by Latest.
 /// Rings and pools: rings.hpp says how long each is and what happens when it is full. A late odometry takes the newest
 /// scan; nothing waits for anything that comes after it.
 /// Housekeeping (the caller's thread) reads counts and events, and sets the map's placement.
@@ -48,6 +50,13 @@ class Pipeline {
   const PreprocessLoop& preprocess() const { return preprocess_; }
   const OdometryLoop& odometry() const { return odometry_; }
   const PublishLoop& publish() const { return publish_; }
+
+  /// What the satellite receiver has said, at its serial port or in position packets.
+  stages::GnssState gnss() const { return gnss_ ? gnss_->state() : receive_.counts().gnss; }
+
+  /// Likewise, for after the threads have ended: by what became of it; empty without a receiver.
+  stages::NamedCounts gnss_counts() const { return gnss_ ? gnss_->counts() : receive_.gnss(); }
+
   const Rings& rings() const { return rings_; }
   bus::Publisher& publisher() { return publisher_; }
 
@@ -103,6 +112,9 @@ class Pipeline {
     if (serial_) {
       drain("serial", serial_->events());
     }
+    if (gnss_) {
+      drain("gnss", gnss_->events());
+    }
   }
 
  private:
@@ -120,10 +132,12 @@ class Pipeline {
   OdometryLoop odometry_;
   PublishLoop publish_;
   std::unique_ptr<SerialLoop> serial_;  // where the inertial sensor has a serial port
+  std::unique_ptr<GnssLoop> gnss_;      // where the receiver has one
   std::atomic<bool> stopping_{false};  // written by stop(), read by all threads
   // Last: they end before what they work on.
   std::vector<std::unique_ptr<threads::RealTimeThread>> threads_;
   std::unique_ptr<threads::RealTimeThread> serial_thread_;
+  std::unique_ptr<threads::RealTimeThread> gnss_thread_;
 };
 
 /// A pool, ring or table and what it takes.

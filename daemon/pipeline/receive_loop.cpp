@@ -286,6 +286,7 @@ void ReceiveLoop::show(Stamp now) {
   counts_.imu.missing = stream.missing;
   counts_.samples_clipped = stream.clipped;
   counts_.imu_units = imu_units_.units();
+  counts_.gnss = packets_.gnss_stage().state();
   shown_.store(counts_);
 }
 

@@ -43,6 +43,7 @@ struct ReceiveCounts {
   std::uint64_t blocks_dropped = 0;    // no free block
   std::uint64_t samples_dropped = 0;   // a ring to a late thread was full
   std::uint64_t samples_clipped = 0;   // at the sensor's limits, as it says itself
+  stages::GnssState gnss;              // out of position packets
   imu::Units imu_units = imu::Units::kUnknown;
 };
 
@@ -83,6 +84,9 @@ class ReceiveLoop {
 
   /// Likewise: what a port of its own has brought of the inertial sensor, by what became of it; empty without one.
   stages::NamedCounts inertial() const;
+
+  /// Likewise: what position packets have brought of a satellite receiver; empty where that is not configured.
+  stages::NamedCounts gnss() const { return packets_.gnss_counts(); }
 
   /// Says in words what is wrong with the receive buffers; empty: nothing.
   std::string buffer_remark() const;

@@ -102,6 +102,7 @@ class Housekeeping {
     if (device_) {
       device_->run_once(now, pipeline_.receive().counts().lidar.last,
                         [&](const std::string& cause, const std::string& sentence) { say(cause, sentence, now); });
+      device_->tell_time(pipeline_.gnss().newest, now);
       pipeline_.set_device(device_->address());
     }
     while (const auto command = commands_.poll(std::chrono::steady_clock::now())) {
@@ -248,6 +249,9 @@ int serve(const Configuration& configuration) {
   if (configuration.realtime.fifo && !pipeline.is_fifo()) {
     spdlog::warn("SCHED_FIFO is not permitted: other programs may delay poses; LimitRTPRIO=90 cures it");
   }
+  if (const std::string& source = configuration.gnss.source; !source.empty() && pipeline.gnss_counts().empty()) {
+    spdlog::info("gnss.source = \"{}\": a file is for slamd-replay; slamd takes serial or velodyne", source);
+  }
   spdlog::info("listening for {}, telling {} as {}", name_of(configuration.lidar.model), configuration.lcm.url, configuration.lcm.prefix);
 
   std::vector<pollfd> fds{{signals.fd(), POLLIN, 0}};
@@ -268,6 +272,9 @@ int serve(const Configuration& configuration) {
   log_counts("packets", pipeline.receive().packets());
   if (const stages::NamedCounts inertial = pipeline.receive().inertial(); !inertial.empty()) {
     log_counts("inertial", inertial);
+  }
+  if (const stages::NamedCounts gnss = pipeline.gnss_counts(); !gnss.empty()) {
+    log_counts("gnss", gnss);
   }
   log_counts("blocks", stages::named_counts(pipeline.preprocess().assembler_counts()));
   for (const std::string& remark : pipeline.receive().remarks()) {

@@ -60,6 +60,7 @@ PacketStage::PacketStage(const Configuration& configuration)
     : livox_(is_livox(configuration.lidar.model)),
       sdk2_(configuration.lidar.model == LidarModel::kLivoxMid360),
       takes_imu_(configuration.imu.enabled && configuration.imu.source == "livox"),
+      takes_gnss_(configuration.gnss.is_velodyne()),
       port_(configuration.lidar.port == 0 && !livox_ ? kVelodynePort : configuration.lidar.port),
       position_port_(configuration.lidar.position_port),
       imu_port_(sdk2_ ? configuration.lidar.imu_port : port_),
@@ -84,6 +85,9 @@ PacketOutcome PacketStage::add_velodyne(const recording::Packet& packet, sensor:
     if (velodyne::decode_position(packet.payload, position) == velodyne::PositionResult::kOk) {
       position_ = position;
       ++positions_;
+      if (takes_gnss_) {
+        gnss_.add_sentence(position.text(), packet.received);
+      }
       outcome.is_position = true;
     } else {
       ++positions_refused_;
@@ -163,7 +167,7 @@ std::vector<std::string> PacketStage::remarks() const {
                     " packets carry product byte " + hex(velodyne_.report().last_product) +
                     ", which is not the configured model's");
   }
-  if (positions_ != 0 && !position_.has_sentence) {
+  if (positions_ != 0 && position_.sentence.empty()) {
     lines.emplace_back("position packets carry no NMEA sentence: the sensor hears no GNSS");
   }
   if (foreign_ != 0) {

@@ -10,6 +10,7 @@
 #include "core/sensor/imu_sample.hpp"
 #include "core/sensor/scan_assembler.hpp"
 #include "daemon/configuration/configuration.hpp"
+#include "daemon/stages/gnss_stage.hpp"
 #include "drivers/livox/livox_decoder.hpp"
 #include "drivers/livox/sdk2_decoder.hpp"
 #include "drivers/recording/packet.hpp"
@@ -51,6 +52,10 @@ class PacketStage {
   /// Says in words what is odd about the device, a line each.
   std::vector<std::string> remarks() const;
 
+  /// What the sentences of position packets say, where gnss.source wants them.
+  const GnssStage& gnss_stage() const { return gnss_; }
+  NamedCounts gnss_counts() const { return takes_gnss_ ? gnss_.counts() : NamedCounts{}; }
+
   const sensor::ClockHealth& clock() const { return clock_.health(); }
 
  private:
@@ -63,6 +68,7 @@ class PacketStage {
   bool livox_;
   bool sdk2_;  // which of the two that a Livox speaks
   bool takes_imu_;
+  bool takes_gnss_;
   int port_;
   int position_port_;
   int imu_port_;
@@ -72,6 +78,7 @@ class PacketStage {
   sensor::ClockModel clock_;
   livox::ImuReading imu_reading_;  // scratch
   velodyne::Position position_;   // the last one
+  GnssStage gnss_;
   std::uint64_t foreign_ = 0;
   std::uint64_t positions_ = 0;
   std::uint64_t positions_refused_ = 0;

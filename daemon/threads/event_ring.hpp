@@ -23,6 +23,9 @@ enum class Event : std::uint8_t {
   kImuRefused,          // value: the sensor's error code
   kImuTakenAsItIs,
   kImuMute,
+  kGnssFound,           // value: rate in baud
+  kGnssFix,
+  kGnssNoFix,
   kBlockPoolEmpty,      // value: blocks dropped so far
   kScanDropped,         // value: scans dropped so far, no free job
   kScanSkipped,         // value: scans skipped so far, the odometry was late

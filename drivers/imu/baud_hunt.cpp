@@ -10,12 +10,12 @@ void BaudHunt::begin(Stamp now) {
   probed_ = false;
   found_ = false;
   probe_at_ = now + kProbeAfter;
-  until_ = now + kDwell;
+  until_ = now + dwell_;
 }
 
 void BaudHunt::hear(Stamp now) {
   found_ = ++frames_ >= kFrames;
-  until_ = std::max(until_, now + kDwell);  // a slow sensor may take as long again
+  until_ = std::max(until_, now + dwell_);  // a slow sensor may take as long again
 }
 
 bool BaudHunt::advance(Stamp now) {
@@ -27,7 +27,7 @@ bool BaudHunt::advance(Stamp now) {
   frames_ = 0;
   probed_ = false;
   probe_at_ = now + kProbeAfter;
-  until_ = now + kDwell;
+  until_ = now + dwell_;
   return true;
 }
 

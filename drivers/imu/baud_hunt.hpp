@@ -18,6 +18,9 @@ class BaudHunt {
   static constexpr Duration kDwell = std::chrono::milliseconds{600};
   static constexpr int kFrames = 2;  // so many good ones are no accident
 
+  /// dwell: how long it listens at each rate; longer than a sensor's pauses.
+  explicit BaudHunt(Duration dwell = kDwell) : dwell_(dwell) {}
+
   /// Begins to listen at the rate that was good last.
   void begin(Stamp now);
 
@@ -40,6 +43,7 @@ class BaudHunt {
   int rounds() const { return tried_ / static_cast<int>(kRates.size()); }
 
  private:
+  Duration dwell_;
   std::size_t rate_ = 0;
   int tried_ = 0;
   int frames_ = 0;

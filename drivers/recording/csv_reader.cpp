@@ -1,5 +1,6 @@
 #include "drivers/recording/csv_reader.hpp"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <string_view>
@@ -11,6 +12,19 @@ namespace {
 constexpr const char* kImuColumns[] = {"timestamp_ns", "gx_rad_s", "gy_rad_s", "gz_rad_s",
                                        "ax_m_s2",      "ay_m_s2",  "az_m_s2"};
 constexpr const char* kWheelColumns[] = {"timestamp_ns", "v_m_s", "w_rad_s"};
+constexpr const char* kGnssColumns[] = {"timestamp_ns", "quality", "lat_deg",   "lon_deg",   "alt_m",
+                                        "sats",         "hdop",    "speed_m_s", "course_deg"};
+
+/// What a row's number means: it counts as NMEA's GGA does.
+sensor::FixQuality quality_of(double number) {
+  for (const auto quality : {sensor::FixQuality::kSingle, sensor::FixQuality::kDifferential, sensor::FixQuality::kRtkFixed,
+                             sensor::FixQuality::kRtkFloat}) {
+    if (number == static_cast<double>(quality)) {
+      return quality;
+    }
+  }
+  return sensor::FixQuality::kNone;
+}
 
 std::string_view trimmed(std::string_view text) {
   while (!text.empty() && (text.front() == ' ' || text.front() == '\t')) {
@@ -144,6 +158,27 @@ bool WheelCsvReader::next(sensor::WheelSample& sample) {
   }
   sample.speed_mps = values[0];
   sample.turn_rate_radps = values[1];
+  return true;
+}
+
+GnssCsvReader::GnssCsvReader(const std::filesystem::path& file) : csv_(file, kGnssColumns) {}
+
+bool GnssCsvReader::next(sensor::GnssFix& fix) {
+  std::array<double, 8> values{};
+  fix = {};
+  if (!csv_.next(fix.stamp, values)) {
+    return false;
+  }
+  const auto [quality, latitude_deg, longitude_deg, altitude_m, satellites, hdop, speed_mps, course_deg] = values;
+  const bool is_place = std::abs(latitude_deg) <= 90.0 && std::abs(longitude_deg) <= 180.0;
+  fix.quality = is_place ? quality_of(quality) : sensor::FixQuality::kNone;
+  fix.latitude_deg = latitude_deg;
+  fix.longitude_deg = longitude_deg;
+  fix.altitude_m = altitude_m;
+  fix.satellites = static_cast<std::uint8_t>(std::clamp(satellites, 0.0, 255.0));
+  fix.hdop = hdop;
+  fix.speed_mps = speed_mps;
+  fix.course_deg = course_deg;
   return true;
 }
 

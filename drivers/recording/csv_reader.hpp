@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "core/sensor/gnss_fix.hpp"
 #include "core/sensor/imu_sample.hpp"
 #include "core/sensor/wheel_sample.hpp"
 #include "drivers/recording/packet.hpp"
@@ -72,6 +73,19 @@ class WheelCsvReader {
   explicit WheelCsvReader(const std::filesystem::path& file);
 
   bool next(sensor::WheelSample& sample);
+
+  const CsvCounters& counters() const { return csv_.counters(); }
+
+ private:
+  CsvReader csv_;
+};
+
+/// Reads a gnss.csv: places and heights on the WGS-84 ellipsoid. A row whose place cannot be has quality kNone.
+class GnssCsvReader {
+ public:
+  explicit GnssCsvReader(const std::filesystem::path& file);
+
+  bool next(sensor::GnssFix& fix);
 
   const CsvCounters& counters() const { return csv_.counters(); }
 

@@ -25,6 +25,7 @@ struct Options {
   std::string compare;
   std::string to_network;
   std::string imu_to;
+  std::string gnss_to;
   double speed = 1.0;
   bool json = false;
   bool print_configuration = false;
@@ -41,6 +42,7 @@ void declare(CLI::App& app, Options& options) {
           ->excludes("--out", "--compare");
   app.add_option("--speed", options.speed, "With --to-network: times real time; 0: as fast as it goes")->needs(to_network);
   app.add_option("--imu-to", options.imu_to, "With --to-network: where the rows of imu.csv go: udp:HOST:PORT, pty:LINKPATH, or as an emulated sensor sends them, xsens:LINKPATH, mip:LINKPATH")->needs(to_network);
+  app.add_option("--gnss-to", options.gnss_to, "With --to-network: where the fixes of gnss.csv go, as an emulated receiver sends them: nmea:LINKPATH, ubx:LINKPATH, or both:LINKPATH")->needs(to_network);
   app.add_flag("--json", options.json, "Print the report as JSON instead of the summary");
   app.add_flag("--print-config", options.print_configuration, "Print the complete configuration and exit");
   app.add_flag_callback(
@@ -68,11 +70,20 @@ int send(const replay::Recording& recording, const Options& options) {
       throw cli::UsageError("--imu-to " + options.imu_to + ": the recording has no file of inertial samples");
     }
   }
+  if (!options.gnss_to.empty()) {
+    replay::parse_gnss_destination(options.gnss_to, target);
+    if (recording.gnss.extension() != ".csv") {
+      throw cli::UsageError("--gnss-to " + options.gnss_to + ": the recording has no CSV file of fixes (gnss.source)");
+    }
+  }
   cli::catch_interrupts();
   replay::ask_for_punctuality();
   if (!target.imu_terminal.empty()) {
     std::fprintf(stderr, "slamd-replay: %s: waiting for its reader, up to %.0f s\n", target.imu_terminal.c_str(),
                  to_seconds(replay::kReaderPatience));
+  }
+  if (!target.gnss_terminal.empty()) {
+    std::fprintf(stderr, "slamd-replay: %s: waiting for its reader likewise\n", target.gnss_terminal.c_str());
   }
   replay::MonotonicSendClock clock;
   replay::ToNetworkReport report;

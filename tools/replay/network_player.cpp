@@ -20,8 +20,6 @@
 #include <system_error>
 #include <vector>
 
-#include <nlohmann/json.hpp>
-
 #include "drivers/livox/data_header.hpp"
 #include "drivers/livox/sdk2_header.hpp"
 #include "drivers/transport/udp_receiver.hpp"
@@ -92,8 +90,6 @@ std::optional<imu::Protocol> protocol_of(const std::string& kind) {
   return std::nullopt;
 }
 
-double ms(Duration duration) { return 1e3 * to_seconds(duration); }
-
 }  // namespace
 
 void parse_destination(const std::string& option, const std::string& text, ToNetworkOptions& options) {
@@ -117,6 +113,20 @@ void parse_imu_destination(const std::string& text, ToNetworkOptions& options) {
   } else {
     throw cli::UsageError("--imu-to " + text + ": must be udp:HOST:PORT, pty:LINKPATH, xsens:LINKPATH or mip:LINKPATH");
   }
+}
+
+void parse_gnss_destination(const std::string& text, ToNetworkOptions& options) {
+  const std::size_t colon = std::min(text.find(':'), text.size());
+  const std::string kind = text.substr(0, colon);
+  const std::pair<const char*, GnssTalk> kinds[] = {{"nmea", GnssTalk::kNmea}, {"ubx", GnssTalk::kUbx}, {"both", GnssTalk::kBoth}};
+  for (const auto& [name, talk] : kinds) {
+    if (kind == name && colon + 1 < text.size()) {
+      options.gnss_talk = talk;
+      options.gnss_terminal = text.substr(colon + 1);
+      return;
+    }
+  }
+  throw cli::UsageError("--gnss-to " + text + ": must be nmea:LINKPATH, ubx:LINKPATH or both:LINKPATH");
 }
 
 Duration MonotonicSendClock::now() {
@@ -177,6 +187,9 @@ NetworkPlayer::NetworkPlayer(const configuration::LidarConfiguration& lidar, con
     device_ = emulated_imu(options.imu_protocol, options.imu_rate_hz);
     terminal_ = std::make_unique<SensorTerminal>(options.imu_terminal, device_->greeting());
   }
+  if (!options.gnss_terminal.empty()) {
+    gnss_terminal_ = std::make_unique<SensorTerminal>(options.gnss_terminal);
+  }
 }
 
 NetworkPlayer::~NetworkPlayer() = default;
@@ -185,7 +198,8 @@ bool NetworkPlayer::takes_rows() const { return terminal_ || options_.imu_port !
 
 void NetworkPlayer::wait_for_reader() {
   const Duration begin = clock_.now();
-  while (terminal_ && !terminal_->has_reader() && !is_stopped() && clock_.now() < begin + kReaderPatience) {
+  const auto lacks_reader = [](const std::unique_ptr<SensorTerminal>& terminal) { return terminal && !terminal->has_reader(); };
+  while ((lacks_reader(terminal_) || lacks_reader(gnss_terminal_)) && !is_stopped() && clock_.now() < begin + kReaderPatience) {
     clock_.sleep_until(clock_.now() + std::chrono::milliseconds(10));
   }
 }
@@ -235,10 +249,20 @@ bool NetworkPlayer::send(const ImuSample& row, Stamp due) {
   return true;
 }
 
+bool NetworkPlayer::send(const sensor::GnssFix& fix, Stamp due) {
+  if (!wait_until(due)) {
+    return false;
+  }
+  sensor::GnssFix told = fix;
+  told.utc = sensor::UtcStamp(std::chrono::round<std::chrono::milliseconds>(due.time_since_epoch() + wall_minus_recorded()));
+  ++(gnss_terminal_->write(message_of(told, options_.gnss_talk)) ? report_.gnss_fixes : report_.gnss_unheard);
+  return true;
+}
+
 ToNetworkReport NetworkPlayer::finish() {
   report_.recording = now_ - first_;
   report_.took = clock_.now() - begin_;
-  drain_terminal();
+  drain_terminals();
   report_.mean_lateness = events_ > 0 ? lateness_sum_ / events_ : Duration{};
   return report_;
 }
@@ -302,66 +326,26 @@ bool NetworkPlayer::is_stopped() {
   return report_.interrupted;
 }
 
-/// Lets the reader take what is in the terminal, which goes away with this program.
-void NetworkPlayer::drain_terminal() {
-  if (!terminal_) {
+/// Lets the readers take what is in the terminals, which go away with this program.
+void NetworkPlayer::drain_terminals() {
+  if (!terminal_ && !gnss_terminal_) {
     return;
   }
+  const auto is_drained = [](const std::unique_ptr<SensorTerminal>& terminal) { return !terminal || terminal->is_drained(); };
   const Duration begin = clock_.now();
+  bool drained = false;
   do {
     clock_.sleep_until(clock_.now() + std::chrono::milliseconds(20));
     serve_terminal();
-  } while (!terminal_->is_drained() && !is_stopped() && clock_.now() < begin + std::chrono::seconds(1));
-  report_.imu_rows -= std::min<std::uint64_t>(report_.imu_rows, terminal_->writes_left());
-  report_.imu_unheard += terminal_->writes_left();
-}
-
-std::string json_of(const ToNetworkReport& report) {
-  nlohmann::ordered_json json;
-  json["sent"] = {{"lidar", report.lidar},
-                  {"position", report.position},
-                  {"imu_packets", report.imu_packets},
-                  {"imu_rows", report.imu_rows}};
-  json["not_sent"] = {{"foreign", report.foreign},
-                      {"imu_unheard", report.imu_unheard},
-                      {"imu_withheld", report.imu_withheld},
-                      {"imu_outside", report.imu_outside},
-                      {"imu_refused", report.imu_refused}};
-  json["lateness_ms"] = {{"mean", ms(report.mean_lateness)}, {"worst", ms(report.worst_lateness)}};
-  json["recording_s"] = to_seconds(report.recording);
-  json["took_s"] = to_seconds(report.took);
-  json["wall_minus_recorded_s"] = to_seconds(report.wall_minus_recorded);
-  json["interrupted"] = report.interrupted;
-  return json.dump(2) + "\n";
-}
-
-std::string summary_of(const ToNetworkReport& report) {
-  char text[512];
-  std::snprintf(text,
-                sizeof text,
-                "sent %llu LiDAR, %llu position and %llu inertial packets, and %llu inertial rows: %.1f s of the recording in "
-                "%.1f s%s\n  late by %.3f ms (mean), %.3f ms (worst)\n",
-                static_cast<unsigned long long>(report.lidar),
-                static_cast<unsigned long long>(report.position),
-                static_cast<unsigned long long>(report.imu_packets),
-                static_cast<unsigned long long>(report.imu_rows),
-                to_seconds(report.recording),
-                to_seconds(report.took),
-                report.interrupted ? ", then interrupted" : "",
-                ms(report.mean_lateness),
-                ms(report.worst_lateness));
-  std::string result = text;
-  const auto add = [&](std::uint64_t count, const char* what) {
-    if (count != 0) {
-      result += "  not sent: " + std::to_string(count) + " " + what + "\n";
-    }
+    drained = is_drained(terminal_) && is_drained(gnss_terminal_);
+  } while (!drained && !is_stopped() && clock_.now() < begin + std::chrono::seconds(1));
+  const auto take_back = [](const std::unique_ptr<SensorTerminal>& terminal, std::uint64_t& sent, std::uint64_t& unheard) {
+    const std::uint64_t left = terminal ? terminal->writes_left() : 0;
+    sent -= std::min(sent, left);
+    unheard += left;
   };
-  add(report.foreign, "frames that are none of the LiDAR's");
-  add(report.imu_unheard, "inertial rows that nobody read from the terminal");
-  add(report.imu_withheld, "inertial rows that the emulated sensor was not told to send");
-  add(report.imu_outside, "inertial rows from before or after the LiDAR's packets");
-  add(report.imu_refused, "bad inertial rows");
-  return result;
+  take_back(terminal_, report_.imu_rows, report_.imu_unheard);
+  take_back(gnss_terminal_, report_.gnss_fixes, report_.gnss_unheard);
 }
 
 }  // namespace slamd::replay

@@ -7,9 +7,11 @@
 #include <string>
 
 #include "core/base/stamp.hpp"
+#include "core/sensor/gnss_fix.hpp"
 #include "core/sensor/imu_sample.hpp"
 #include "daemon/configuration/configuration.hpp"
 #include "drivers/recording/packet.hpp"
+#include "tools/replay/emulated_gnss.hpp"
 #include "tools/replay/emulated_imu.hpp"
 #include "tools/replay/sensor_terminal.hpp"
 
@@ -28,7 +30,14 @@ struct ToNetworkOptions {
   std::filesystem::path imu_terminal;
   imu::Protocol imu_protocol = imu::Protocol::kCsv;  // of the terminal
   int imu_rate_hz = 200;                             // at which the emulated sensor measures
+
+  // Fixes of a satellite receiver, through a pseudo terminal; empty: they are left out.
+  std::filesystem::path gnss_terminal;
+  GnssTalk gnss_talk = GnssTalk::kNmea;
 };
+
+/// Reads nmea:LINKPATH, ubx:LINKPATH or both:LINKPATH. Errors: cli::UsageError.
+void parse_gnss_destination(const std::string& text, ToNetworkOptions& options);
 
 /// Reads HOST[:DATA_PORT[:POSITION_PORT]]. Errors: cli::UsageError, which names the command line's option.
 void parse_destination(const std::string& option, const std::string& text, ToNetworkOptions& options);
@@ -57,9 +66,11 @@ struct ToNetworkReport {
   std::uint64_t position = 0;
   std::uint64_t imu_packets = 0;  // of a Livox's built-in sensor
   std::uint64_t imu_rows = 0;
+  std::uint64_t gnss_fixes = 0;
 
   std::uint64_t foreign = 0;        // packets to other ports, and refused frames: not sent
   std::uint64_t imu_unheard = 0;    // rows that nobody read from the terminal
+  std::uint64_t gnss_unheard = 0;   // fixes that nobody read from the terminal
   std::uint64_t imu_withheld = 0;   // rows that the emulated sensor did not send: was being configured, or to a lower rate
   std::uint64_t imu_outside = 0;    // rows more than kImuMargin before the first packet or after the last
   std::uint64_t imu_refused = 0;    // bad rows of the file
@@ -97,7 +108,10 @@ class NetworkPlayer {
   /// Tells whether inertial rows go anywhere.
   bool takes_rows() const;
 
-  /// Waits up to kReaderPatience until somebody reads the terminal, if there is one.
+  /// Tells whether fixes go anywhere.
+  bool takes_fixes() const { return gnss_terminal_ != nullptr; }
+
+  /// Waits up to kReaderPatience until somebody reads each terminal, if there are any.
   void wait_for_reader();
 
   /// Lets what is stamped `first` be due now.
@@ -108,6 +122,9 @@ class NetworkPlayer {
 
   /// Waits until a row is due, whatever its stamp, and sends it; false when the user does not want it any more.
   bool send(const sensor::ImuSample& row, Stamp due);
+
+  /// Waits until a fix is due and sends it as a receiver does, with the wall clock's UTC; as above.
+  bool send(const sensor::GnssFix& fix, Stamp due);
 
   /// Waits for the time of something else; false when the user does not want it any more.
   bool wait_until(Stamp due);
@@ -130,7 +147,7 @@ class NetworkPlayer {
   Kind kind_of(const recording::Packet& packet) const;
   bool is_stopped();
   void serve_terminal();
-  void drain_terminal();
+  void drain_terminals();
 
   const configuration::LidarConfiguration& lidar_;
   const ToNetworkOptions& options_;
@@ -138,6 +155,7 @@ class NetworkPlayer {
   const std::function<bool()>& stopped_;
   std::unique_ptr<Socket> socket_;
   std::unique_ptr<SensorTerminal> terminal_;
+  std::unique_ptr<SensorTerminal> gnss_terminal_;
   std::unique_ptr<EmulatedImu> device_;  // at the terminal
   std::string device_bytes_;             // scratch
   Stamp first_{};

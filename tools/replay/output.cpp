@@ -45,6 +45,17 @@ ordered_json json_of(const stages::NamedCounts& counts) {
   return object;
 }
 
+ordered_json json_of(const GnssSummary& gnss) {
+  ordered_json object;
+  object["fixes"] = gnss.state.good;
+  object["refused"] = json_of(gnss.refused);
+  object["span_s"] = std::round(1e3 * to_seconds(gnss.state.span())) / 1e3;
+  if (const auto& origin = gnss.state.origin) {
+    object["origin"] = {{"lat_deg", origin->latitude_deg}, {"lon_deg", origin->longitude_deg}, {"alt_m", origin->altitude_m}};
+  }
+  return object;
+}
+
 ordered_json json_of(const TimeSummary& times) {
   const auto rounded = [](double ms) { return std::round(1e3 * ms) / 1e3; };
   return {{"median", rounded(times.median)}, {"p95", rounded(times.p95)}, {"p99", rounded(times.p99)}, {"max", rounded(times.max)}};
@@ -185,6 +196,9 @@ std::string report_json(const Recording& recording, const Run& run, const std::s
   report["blocks"] = json_of(run.blocks);
   report["imu"] = json_of(run.imu);
   report["wheel"] = json_of(run.wheel);
+  if (run.gnss) {
+    report["gnss"] = json_of(*run.gnss);
+  }
   report["clock"] = {{"steps", run.clock.steps}, {"roll_overs", run.clock.roll_overs}, {"skew_ppm", 1e6 * run.clock.skew},
                      {"residual_mean_us", 1e-3 * static_cast<double>(run.clock.residual_mean.count())},
                      {"residual_max_us", 1e-3 * static_cast<double>(run.clock.residual_max.count())}};

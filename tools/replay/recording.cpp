@@ -54,6 +54,17 @@ fs::path imu_file(const fs::path& directory, const configuration::ImuConfigurati
   return directory / "imu.csv";
 }
 
+/// What came in at a live daemon's port is recorded as gnss.csv, where it is.
+fs::path gnss_file(const fs::path& directory, const configuration::GnssConfiguration& gnss) {
+  if (gnss.source.empty() || gnss.is_velodyne()) {
+    return {};
+  }
+  if (!gnss.is_serial()) {
+    return existing(directory, gnss.source, "gnss.source");
+  }
+  return fs::exists(directory / "gnss.csv") ? directory / "gnss.csv" : fs::path();
+}
+
 }  // namespace
 
 Recording open_recording(const fs::path& path,
@@ -92,6 +103,7 @@ Recording open_recording(const fs::path& path,
   if (const auto& wheel = recording.configuration.wheel; wheel.use && !wheel.source.empty()) {
     recording.wheel_csv = existing(directory, wheel.source, "wheel.source");
   }
+  recording.gnss = gnss_file(directory, recording.configuration.gnss);
   if (is_directory && fs::exists(path / "truth.tum")) {
     recording.truth = path / "truth.tum";
   }

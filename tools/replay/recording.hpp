@@ -14,6 +14,7 @@ struct Recording {
   std::filesystem::path lidar;    // pcap file, or folder of clouds
   std::filesystem::path imu_csv;  // empty: none, or built in
   std::filesystem::path wheel_csv;  // empty: none
+  std::filesystem::path gnss;       // CSV or a receiver's bytes; empty: none
   std::filesystem::path truth;    // empty: none
   configuration::Configuration configuration;
 };

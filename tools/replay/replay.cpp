@@ -226,6 +226,9 @@ Run play_packets(const configuration::Configuration& configuration, ImuSource im
   run.packets = packets.packets();
   run.blocks = stages::named_counts(assembler.counts());
   run.remarks = packets.remarks();
+  if (configuration.gnss.is_velodyne()) {
+    run.gnss = gnss_summary(packets.gnss_stage());
+  }
   run.clock = packets.clock();
   run.recording_s = first ? to_seconds(now - *first) : 0.0;
   return run;
@@ -294,6 +297,9 @@ Run replay(const Recording& recording, const Sinks& sinks) {
   const auto begin = std::chrono::steady_clock::now();
   Run run = recording.configuration.lidar.model == LidarModel::kPoints ? replay_points(recording, sinks)
                                                                         : replay_packets(recording, sinks);
+  if (!recording.gnss.empty()) {
+    run.gnss = read_gnss(recording.gnss);
+  }
   run.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   return run;
 }

@@ -9,6 +9,7 @@
 #include "daemon/stages/front_end.hpp"
 #include "daemon/stages/packet_stage.hpp"
 #include "drivers/recording/csv_reader.hpp"
+#include "tools/replay/gnss_log.hpp"
 #include "tools/replay/recording.hpp"
 
 namespace slamd::replay {
@@ -29,6 +30,7 @@ struct Run {
   stages::NamedCounts blocks;
   stages::NamedCounts imu;
   stages::NamedCounts wheel;
+  std::optional<GnssSummary> gnss;
   std::vector<std::string> remarks;
   sensor::ClockHealth clock;
   std::optional<inertial::Alignment> alignment;

@@ -58,6 +58,35 @@ class Rows {
   std::optional<ImuSample> next_;
 };
 
+/// The fixes of a recording's gnss.csv, one ahead.
+class Fixes {
+ public:
+  Fixes() = default;
+  explicit Fixes(const std::filesystem::path& file) : reader_(std::in_place, file) { advance(); }
+
+  /// Those from before the first packet are left out: their receiver was not there yet.
+  void skip_until(Stamp stamp) {
+    while (next_ && next_->stamp < stamp) {
+      advance();
+    }
+  }
+
+  void send_until(Stamp until, NetworkPlayer& player) {
+    while (next_ && next_->stamp <= until && player.send(*next_, next_->stamp)) {
+      advance();
+    }
+  }
+
+ private:
+  void advance() {
+    sensor::GnssFix fix;
+    next_ = reader_->next(fix) ? std::optional(fix) : std::nullopt;
+  }
+
+  std::optional<recording::GnssCsvReader> reader_;
+  std::optional<sensor::GnssFix> next_;
+};
+
 /// The rate of a recording's inertial file, from its first second.
 int rate_of(const std::filesystem::path& file) {
   recording::ImuCsvReader reader(file);
@@ -93,6 +122,7 @@ ToNetworkReport send_to_network(const Recording& recording,
   }
   NetworkPlayer player(recording.configuration.lidar, options, clock, stopped);
   Rows rows = player.takes_rows() && !recording.imu_csv.empty() ? Rows(recording.imu_csv) : Rows();
+  Fixes fixes = player.takes_fixes() && !recording.gnss.empty() ? Fixes(recording.gnss) : Fixes();
   const double file_bytes = static_cast<double>(std::filesystem::file_size(recording.lidar)) + 1.0;
   double read_bytes = 0.0;
   std::uint64_t outside = 0;
@@ -102,10 +132,12 @@ ToNetworkReport send_to_network(const Recording& recording,
     if (!begun) {
       player.wait_for_reader();
       outside += rows.skip_until(packet.received - kImuMargin);
+      fixes.skip_until(packet.received);
       player.begin(rows.next() ? std::min(rows.next()->stamp, packet.received) : packet.received);
       begun = true;
     }
     rows.send_until(std::max(player.now(), packet.received), player);
+    fixes.send_until(player.now(), player);
     player.send(packet);
     read_bytes += static_cast<double>(packet.payload.size() + 58);
     if (progress) {

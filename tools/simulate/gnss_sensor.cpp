@@ -15,6 +15,19 @@ Eigen::Vector3d triple(const Noise& noise, std::uint64_t stream) {
 
 }  // namespace
 
+sensor::GnssFix fix_of(const GnssReading& reading) {
+  sensor::GnssFix fix;
+  fix.quality = static_cast<sensor::FixQuality>(reading.quality);
+  fix.latitude_deg = reading.place.latitude_deg;
+  fix.longitude_deg = reading.place.longitude_deg;
+  fix.altitude_m = reading.place.altitude_m;
+  fix.satellites = static_cast<std::uint8_t>(reading.satellites);
+  fix.hdop = reading.hdop;
+  fix.speed_mps = reading.speed_mps;
+  fix.course_deg = reading.course_deg;
+  return fix;
+}
+
 GnssSensor::GnssSensor(const Motion& motion, const geometry::Se3& T_base_antenna, double rate_hz,
                        const GnssErrors& errors, std::uint64_t seed)
     : motion_(motion),

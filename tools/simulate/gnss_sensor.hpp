@@ -3,6 +3,7 @@
 #include <cstdint>
 
 #include "core/geometry/se3.hpp"
+#include "core/sensor/gnss_fix.hpp"
 #include "tools/simulate/motion.hpp"
 #include "tools/simulate/nmea.hpp"
 #include "tools/simulate/noise.hpp"
@@ -30,11 +31,19 @@ struct GnssReading {
   double course_deg = 0.0;
 };
 
+inline constexpr double kGnss_hz = 5.0;
+
+/// A reading as a driver would make it, but for its stamp.
+sensor::GnssFix fix_of(const GnssReading& reading);
+
 /// Says once in 1/rate seconds where the antenna is.
 class GnssSensor {
  public:
   GnssSensor(const Motion& motion, const geometry::Se3& T_base_antenna, double rate_hz, const GnssErrors& errors,
              std::uint64_t seed);
+
+  /// When the next reading is due.
+  double next_s() const { return static_cast<double>(index_) / rate_hz_; }
 
   /// Returns false after the end of the drive.
   bool next(double& t_s, GnssReading& reading);

@@ -111,10 +111,14 @@ class Sender {
     std::size_t packet = 0;
     std::size_t row = 0;
     std::size_t truth = 0;
+    std::size_t fix = 0;
     const auto before = [](const auto& list, std::size_t i, double t_s) { return i < list.size() && list[i].t_s <= t_s; };
     const auto send_until = [&](double t_s) {
       for (; before(moment.rows, row, t_s); ++row) {
         send(moment.rows[row]);
+      }
+      for (; before(moment.fixes, fix, t_s); ++fix) {
+        send(moment.fixes[fix]);
       }
       for (; before(moment.truths, truth, t_s); ++truth) {
         send(moment.truths[truth], moment.collisions);
@@ -166,6 +170,12 @@ class Sender {
     }
   }
 
+  void send(const Moment::Fix& fix) {
+    if (player_.takes_fixes()) {
+      player_.send(fix_of(fix.reading), stamp_at(fix.t_s));
+    }
+  }
+
   void send(const Moment::Truth& truth, std::uint32_t collisions) {
     player_.wait_until(stamp_at(truth.t_s));
     const bus::Truth message{.stamp = stamp_at(truth.t_s) + player_.wall_minus_recorded(),
@@ -201,7 +211,8 @@ LiveDrive::LiveDrive(const Drive& drive)
       vehicle_(scene_.world(), scene_.route(), ride_of(drive), start_of(scene_.route(), ride_of(drive), drive.seed),
                drive.seed),
       packets_(scene_, PacketStream::Drive::kGrowing),
-      imu_(scene_.imu()) {}
+      imu_(scene_.imu()),
+      gnss_(scene_.motion(), scene_.mounting().T_base_antenna, kGnss_hz, drive.gnss_errors, drive.seed) {}
 
 Moment LiveDrive::next(const Velocity& command) {
   Moment moment;
@@ -217,6 +228,9 @@ Moment LiveDrive::next(const Velocity& command) {
   double t_s = 0.0;
   for (InertialReading reading; imu_.next_s() <= scene_.known_s() && imu_.next(t_s, reading);) {
     moment.rows.push_back({t_s, reading});
+  }
+  for (GnssReading reading; gnss_.next_s() <= scene_.known_s() && gnss_.next(t_s, reading);) {
+    moment.fixes.push_back({t_s, reading});
   }
   for (; static_cast<double>(truths_) / kTruth_hz <= scene_.known_s(); ++truths_) {
     t_s = static_cast<double>(truths_) / kTruth_hz;

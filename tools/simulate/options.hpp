@@ -36,6 +36,7 @@ struct Options {
   bool live = false;
   std::string device_code;
   std::string imu_to;
+  std::string gnss_to;
   std::string lcm_url;
   std::string lcm_prefix;
   bool json = false;

@@ -16,7 +16,6 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr double kGnss_hz = 5.0;
 constexpr double kMapSpacing_m = 0.1;
 
 long long stamp_ns(double t_s) { return static_cast<long long>(stamp_at(t_s).time_since_epoch().count()); }

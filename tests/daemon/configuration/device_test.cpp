@@ -48,6 +48,18 @@ TEST(DeviceConfiguration, MayHaveAMid360sSamplesAmongItsPoints) {
   EXPECT_TRUE(loaded(mid360("device.code = \"any\"\nport = 56401\n")).lidar.device.is_kept());
 }
 
+TEST(DeviceConfiguration, TellsAnAviaTheTimeOnlyFromAReceiver) {
+  const std::string receiver = "[gnss]\nsource = \"serial\"\ndevice = \"/dev/ttyACM0\"\n";
+  const std::string kept = "device = { code = \"any\", set_utc = true }\n";
+
+  EXPECT_TRUE(loaded(avia(kept) + receiver).lidar.device.set_utc);
+  EXPECT_EQ(refusal_of(avia(kept)), "robot.toml:3: lidar.device.set_utc = true: needs gnss.source = \"serial\"");
+  for (const std::string& wrong : {avia("device.set_utc = true\n"), mid360(kept)}) {
+    EXPECT_EQ(refusal_of(wrong + receiver),
+              "robot.toml:3: lidar.device.set_utc = true: is for a Livox Avia that slamd keeps; see lidar.device.code");
+  }
+}
+
 TEST(DeviceConfiguration, IsRefusedInOneLine) {
   EXPECT_EQ(refusal_of("[[lidar]]\nmodel = \"vlp16\"\ndevice.code = \"any\"\n"),
             "robot.toml:3: lidar.device.code = \"any\": slamd talks to Livox devices only; lidar.model is none");
@@ -61,7 +73,7 @@ TEST(DeviceConfiguration, IsRefusedInOneLine) {
   EXPECT_EQ(refusal_of(mid360("device = { code = \"any\", state_port = 56101 }\n")),
             "robot.toml:3: lidar.device.state_port = 56101: is another port of the device's");
   EXPECT_EQ(refusal_of(avia("device = 4\n")),
-            "robot.toml:3: lidar.device = 4: must be a table of code, coordinates, returns, take_over, command_port, "
+            "robot.toml:3: lidar.device = 4: must be a table of code, coordinates, returns, take_over, set_utc, command_port, "
             "state_port");
 }
 

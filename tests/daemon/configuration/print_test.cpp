@@ -20,10 +20,13 @@ Value drawn(const Key& key, std::mt19937_64& engine) {
   if (key.path == "lidar.device.code") {
     return std::string();  // others go with some models only
   }
+  if (key.path == "lidar.device.set_utc") {
+    return false;  // likewise
+  }
   if (key.path == "lidar.bind_address" || key.path == "lidar.source_address") {
     return std::string("10.20.30.40");
   }
-  if (key.path == "imu.baud") {
+  if (key.path == "imu.baud" || key.path == "gnss.baud") {
     return 230'400.0;
   }
   switch (key.kind) {

@@ -86,6 +86,22 @@ TEST(DeviceWords, SayThatADeviceFollowsNoClockWhereItShould) {
   }
 }
 
+TEST(DeviceWords, SayWhatADeviceLacksThatIsToldTheTime) {
+  DeviceWords sut(false, true);
+  const auto says = [&](std::uint32_t status) {
+    sut.take(event(HostEventKind::kStatusChanged, status));
+    return sut.cause(true, "sampling");
+  };
+
+  EXPECT_EQ(sut.cause(true, "sampling"), "hears no PPS, and so cannot use the UTC that it is told");
+  EXPECT_EQ(says(0x00000200), "hears PPS, but does not follow it yet");
+  EXPECT_EQ(says(0x0000C200), "follows PPS, but has taken no UTC yet");
+  EXPECT_EQ(says(0x00008200), "");  // PPS and UTC
+  EXPECT_EQ(says(0x00000000), "hears no PPS, and so cannot use the UTC that it is told");
+  EXPECT_EQ(says(0x00006000), "");  // PTP goes before
+  EXPECT_EQ(says(0x00010200), "time synchronisation abnormal");
+}
+
 TEST(DeviceWords, KeepWhatIsWrongWithADeviceWhileItSamples) {
   DeviceWords sut;
   sut.take(event(HostEventKind::kStatusChanged, 0x40000001));

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -13,6 +15,8 @@
 
 namespace slamd::devices {
 namespace {
+
+using Bytes = std::vector<std::byte>;
 
 constexpr std::uint32_t kLoopback = 0x7F000001;
 
@@ -61,6 +65,63 @@ TEST(LivoxDevice, AnswersABroadcastFromItsCommandPortAndSaysSo) {
   EXPECT_EQ(said, std::vector<std::string>{"3JEDK380010Z391 at 127.0.0.1 was found"});
   EXPECT_EQ(sut.cause(), "handshaking");
   EXPECT_EQ(sut.address(), 0U);  // not yet this host's
+}
+
+/// The next frame that came for a device with this command, among its first few.
+std::optional<Bytes> payload_of(transport::DatagramSocket& device, livox::Sdk1Command command) {
+  for (int i = 0; i < 10 && wait_for(device.fd()); ++i) {
+    const auto received = device.receive();
+    livox::Sdk1Frame frame;
+    std::size_t size = 0;
+    if (received && parse_sdk1_frame(received->payload, frame, size) == livox::FrameResult::kOk && frame.command == command) {
+      return Bytes(frame.payload.begin(), frame.payload.end());
+    }
+  }
+  return std::nullopt;
+}
+
+TEST(LivoxDevice, TellsAConnectedDeviceEachSecondOnceWhenConfigured) {
+  for (const bool wanted : {true, false}) {
+    configuration::Configuration configuration = avia(free_port());
+    configuration.lidar.device.set_utc = wanted;
+    LivoxDevice sut(configuration);
+    transport::DatagramSocket device(0);
+    const auto say = [](const std::string&, const std::string&) {};
+    const Stamp now{std::chrono::seconds{1000}};
+    sensor::GnssFix fix;
+    fix.stamp = now;
+    fix.quality = sensor::FixQuality::kSingle;
+    fix.utc = sensor::UtcStamp(std::chrono::seconds{1'774'260'672});
+    const auto say_to_host = [&](livox::Sdk1FrameType type, std::uint16_t number, livox::Sdk1Command command,
+                                 std::span<const std::byte> payload, std::uint16_t port, int fd) {
+      ASSERT_TRUE(device.send(livox::write_sdk1_frame({type, number, command, payload}).view(), kLoopback, port));
+      ASSERT_TRUE(wait_for(fd));
+      sut.run_once(now, {}, say);
+    };
+    sut.tell_time(fix, now);  // nobody is there
+    say_to_host(livox::Sdk1FrameType::kMessage, 0, livox::Sdk1Command::kBroadcast,
+                livox::Sdk1Broadcast{livox::DeviceCode::of("3JEDK380010Z391"), 7, 0}.bytes().view(), 55000, sut.fds().front());
+    ASSERT_TRUE(wait_for(device.fd()));
+    const auto handshake = device.receive();
+    ASSERT_TRUE(handshake);
+    livox::Sdk1Frame frame;
+    std::size_t size = 0;
+    ASSERT_EQ(parse_sdk1_frame(handshake->payload, frame, size), livox::FrameResult::kOk);
+    say_to_host(livox::Sdk1FrameType::kAck, frame.sequence, livox::Sdk1Command::kHandshake, livox::one_byte(0).view(),
+                handshake->port, sut.fds().back());
+    ASSERT_NE(sut.address(), 0U);
+
+    sut.tell_time(fix, now);
+    const auto told = payload_of(device, livox::Sdk1Command::kSetUtc);
+    sut.tell_time(fix, now);  // the same second
+
+    ASSERT_EQ(told.has_value(), wanted);
+    EXPECT_FALSE(payload_of(device, livox::Sdk1Command::kSetUtc));
+    if (told) {
+      EXPECT_EQ(livox::Sdk1Utc::parse(*told),
+                (livox::Sdk1Utc{.year = 2026, .month = 3, .day = 23, .hour = 10, .in_hour_us = 672'000'000}));
+    }
+  }
 }
 
 TEST(DataWatch, IsOverdueOnceInThreeSecondsThatADeviceSamplesAndSendsNothing) {

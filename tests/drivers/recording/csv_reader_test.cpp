@@ -101,5 +101,30 @@ TEST_F(CsvReaderTest, SaysWhichFileCannotBeRead) {
   EXPECT_NE(empty.find("empty.csv"), std::string::npos) << empty;
 }
 
+TEST_F(CsvReaderTest, ReadsFixesAndTakesUnknownKindsAndPlacesForNone) {
+  GnssCsvReader sut(write("gnss.csv", "timestamp_ns,quality,lat_deg,lon_deg,alt_m,sats,hdop,speed_m_s,course_deg\n"
+                                      "1,4,52.4,-13.5,34.5,11,0.9,1.5,271.0\n"
+                                      "2,8,52.4,13.5,34.5,11,0.9,1.5,271.0\n"
+                                      "3,1,52.4,213.5,34.5,300,0.9,1.5,271.0\n"));
+  sensor::GnssFix fix;
+
+  ASSERT_TRUE(sut.next(fix));
+  EXPECT_EQ(fix.stamp.time_since_epoch().count(), 1);
+  EXPECT_EQ(fix.quality, sensor::FixQuality::kRtkFixed);
+  EXPECT_EQ(fix.latitude_deg, 52.4);
+  EXPECT_EQ(fix.longitude_deg, -13.5);
+  EXPECT_EQ(fix.altitude_m, 34.5);
+  EXPECT_EQ(fix.satellites, 11);
+  EXPECT_EQ(fix.hdop, 0.9);
+  EXPECT_EQ(fix.speed_mps, 1.5);
+  EXPECT_EQ(fix.course_deg, 271.0);
+  ASSERT_TRUE(sut.next(fix));
+  EXPECT_FALSE(fix.is_good());
+  ASSERT_TRUE(sut.next(fix));
+  EXPECT_FALSE(fix.is_good());
+  EXPECT_EQ(fix.satellites, 255);
+  EXPECT_FALSE(sut.next(fix));
+}
+
 }  // namespace
 }  // namespace slamd::recording

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "drivers/clouds/point_folder.hpp"
+#include "drivers/gnss/nmea.hpp"
 #include "drivers/recording/pcap_reader.hpp"
 #include "drivers/velodyne/position.hpp"
 #include "made_packet.hpp"
@@ -144,8 +145,7 @@ TEST(VelodyneRecording, NamesTheOddProductByteOfAnEarlyVlp16) {
   EXPECT_EQ(sut.report().last_product, 0x21);
   for (const Position& position : account.all_positions) {
     EXPECT_EQ(position.pps, PpsState::kNone);
-    EXPECT_FALSE(position.has_sentence);
-    EXPECT_FALSE(position.rmc);
+    EXPECT_EQ(position.text(), "");
   }
 }
 
@@ -161,12 +161,12 @@ TEST(VelodyneRecording, ReadsTheSentencesBetweenThePacketsOfAnHdl32e) {
   EXPECT_EQ(account.irregular, 0U);
   EXPECT_EQ(sut.report().last_product, 0x21);
   for (const Position& position : account.all_positions) {
-    EXPECT_TRUE(position.sentence_good);
-    ASSERT_TRUE(position.rmc);
-    EXPECT_TRUE(position.rmc->valid);
-    EXPECT_EQ(position.rmc->unix_seconds, 1'355'262'376);  // 2012-12-11 21:46:16 UTC
-    EXPECT_NEAR(position.rmc->latitude_deg, 37.139, 1e-3);
-    EXPECT_NEAR(position.rmc->longitude_deg, -121.657, 1e-3);
+    const auto rmc = gnss::parse_rmc(position.text());
+    ASSERT_TRUE(rmc && rmc->utc && rmc->place);
+    EXPECT_TRUE(rmc->valid);
+    EXPECT_EQ(rmc->utc->time_since_epoch(), 1'355'262'376s);  // 2012-12-11 21:46:16 UTC
+    EXPECT_NEAR(rmc->place->latitude_deg, 37.139, 1e-3);
+    EXPECT_NEAR(rmc->place->longitude_deg, -121.657, 1e-3);
     // The stamp counts from the same hour: 46 min and some seconds.
     EXPECT_EQ(std::chrono::floor<std::chrono::minutes>(position.device_stamp.time_since_epoch()), 46min);
   }

@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include "core/base/bytes.hpp"
+#include "drivers/gnss/nmea.hpp"
 #include "drivers/velodyne/position.hpp"
 #include "decoded.hpp"
 #include "tools/simulate/nmea.hpp"
@@ -117,13 +118,13 @@ TEST(SpinningLidar, SaysWhereAndWhenItIsInPositionPackets) {
     ASSERT_EQ(velodyne::decode_position(packet.payload, position), velodyne::PositionResult::kOk);
 
     EXPECT_EQ(position.pps, velodyne::PpsState::kLocked);
-    ASSERT_TRUE(position.sentence_good);
-    ASSERT_TRUE(position.rmc.has_value());
+    const auto rmc = gnss::parse_rmc(position.text());
+    ASSERT_TRUE(rmc && rmc->utc && rmc->place);
     const double t_s = static_cast<double>(index) * scene.lidar().packet_s();
-    EXPECT_EQ(position.rmc->unix_seconds, kStart_unix_s + static_cast<std::int64_t>(t_s));
+    EXPECT_EQ(rmc->utc->time_since_epoch(), std::chrono::seconds(kStart_unix_s + static_cast<std::int64_t>(t_s)));
     const Geodetic place = geodetic_of(scene.motion().pose_at(std::floor(t_s)).translation());
-    EXPECT_NEAR(position.rmc->latitude_deg, place.latitude_deg, 1e-6);
-    EXPECT_NEAR(position.rmc->longitude_deg, place.longitude_deg, 1e-6);
+    EXPECT_NEAR(rmc->place->latitude_deg, place.latitude_deg, 1e-6);
+    EXPECT_NEAR(rmc->place->longitude_deg, place.longitude_deg, 1e-6);
   }
 }
 
