@@ -5,10 +5,12 @@
 #include <optional>
 
 #include "core/sensor/imu_reading.hpp"
-#include "drivers/can/can_frame.hpp"
+#include "drivers/transport/can_frame.hpp"
 #include "drivers/imu/inertial_result.hpp"
 
 namespace slamd::can {
+
+using transport::CanFrame;
 
 /// Which number on the wire is which axis of imu. J1939 names pitch first, roll second and yaw third.
 struct AxisMap {

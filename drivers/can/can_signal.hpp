@@ -3,9 +3,11 @@
 #include <cstdint>
 #include <optional>
 
-#include "drivers/can/can_frame.hpp"
+#include "drivers/transport/can_frame.hpp"
 
 namespace slamd::can {
+
+using transport::CanFrame;
 
 /// A number in the frames of one id: what a DBC file says of it in a line, with its numbering of bits.
 struct CanSignal {

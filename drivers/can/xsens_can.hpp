@@ -4,10 +4,12 @@
 #include <optional>
 
 #include "core/sensor/imu_reading.hpp"
-#include "drivers/can/can_frame.hpp"
+#include "drivers/transport/can_frame.hpp"
 #include "drivers/imu/inertial_result.hpp"
 
 namespace slamd::can {
+
+using transport::CanFrame;
 
 /// Decodes the frames of an Xsens MTi-600 (11-bit ids as delivered, big-endian) into inertial samples.
 ///

@@ -7,7 +7,7 @@
 
 #include "core/base/stamp.hpp"
 
-namespace slamd::can {
+namespace slamd::transport {
 
 /// A data frame of CAN 2.0.
 struct CanFrame {
@@ -20,4 +20,4 @@ struct CanFrame {
   std::span<const std::byte> bytes() const { return std::span(data).first(size); }
 };
 
-}  // namespace slamd::can
+}  // namespace slamd::transport
