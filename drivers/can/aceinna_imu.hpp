@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <string_view>
 
 #include "core/sensor/imu_reading.hpp"
 #include "drivers/transport/can_frame.hpp"
@@ -17,6 +18,10 @@ struct AxisMap {
   std::array<std::uint8_t, 3> wire{1, 0, 2};  // of x, y and z: the place on the wire, 0 to 2
   std::array<double, 3> sign{1.0, 1.0, 1.0};
 };
+
+/// Reads a map as configured: which axis comes first on the wire, which second and which third, turned round where a '-'
+/// stands before it: "y,x,z", or "y,x,-z". Nothing when it is none.
+std::optional<AxisMap> parse_axis_map(std::string_view text);
 
 /// Decodes the frames of an Aceinna OpenIMU300RI or MTLT (SAE J1939, 29-bit ids) into inertial samples.
 ///
