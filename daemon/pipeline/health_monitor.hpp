@@ -27,14 +27,17 @@ class HealthMonitor {
 
   bus::SensorHealth lidar(const Pipeline& pipeline, Stamp now);
   bus::SensorHealth imu(const Pipeline& pipeline, Stamp now);
+  bus::SensorHealth wheels(const Pipeline& pipeline, Stamp now);
   void add_causes(const Pipeline& pipeline, Stamp now, bus::Health& health) const;
 
   std::string lidar_name_;
   bool imu_enabled_;
+  bool wheels_enabled_;
   bool shared_clock_;
   Stamp started_;
   Rate scans_;
   Rate samples_;
+  Rate wheel_samples_;
 };
 
 /// Names an event's cause: events of the same one are repetitions of each other, whatever numbers they carry.

@@ -72,6 +72,15 @@ std::optional<AxisMap> parse_axis_map(std::string_view text) {
   return map;
 }
 
+std::vector<transport::CanFilter> AceinnaReader::frames(std::optional<std::uint8_t> source) {
+  std::vector<transport::CanFilter> filters;
+  for (const std::uint32_t group : {kRate, kForce, kRateHighResolution, kForceHighResolution}) {
+    // Whatever the priority; without a source, whatever that.
+    filters.push_back({group << 8 | source.value_or(0), source ? 0x03FF'FFFFU : 0x03FF'FF00U, true});
+  }
+  return filters;
+}
+
 bool AceinnaReader::take(const CanFrame& frame, sensor::ImuReading& reading) {
   const std::uint32_t group = group_of(frame);
   const bool is_high = group == kRateHighResolution || group == kForceHighResolution;

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 #include <string_view>
+#include <vector>
 
 #include "core/sensor/imu_reading.hpp"
 #include "drivers/transport/can_frame.hpp"
@@ -37,6 +38,9 @@ class AceinnaReader {
   /// source: the device's address on the bus; none: whichever speaks.
   explicit AceinnaReader(const AxisMap& axes = {}, std::optional<std::uint8_t> source = std::nullopt)
       : axes_(axes), source_(source) {}
+
+  /// Returns which frames samples are made of, for the kernel.
+  static std::vector<transport::CanFilter> frames(std::optional<std::uint8_t> source);
 
   /// Takes a frame. Returns true when it completes a good sample, which is then in `reading`.
   bool take(const CanFrame& frame, sensor::ImuReading& reading);

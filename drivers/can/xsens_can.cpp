@@ -41,6 +41,14 @@ Eigen::Vector3d vector_at(std::span<const std::byte> data, double unit) {
 
 }  // namespace
 
+std::vector<transport::CanFilter> XsensCanReader::frames() {
+  std::vector<transport::CanFilter> filters;
+  for (const Layout& layout : kLayouts) {
+    filters.push_back({.id = layout.id});
+  }
+  return filters;
+}
+
 bool XsensCanReader::take(const CanFrame& frame, sensor::ImuReading& reading) {
   const Layout* layout = layout_of(frame);
   if (layout == nullptr) {

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <vector>
 
 #include "core/sensor/imu_reading.hpp"
 #include "drivers/transport/can_frame.hpp"
@@ -19,6 +20,9 @@ using transport::CanFrame;
 /// Source: imu-can.md §A. Real-time: never allocates; O(1); one thread.
 class XsensCanReader {
  public:
+  /// Returns which frames samples are made of, for the kernel.
+  static std::vector<transport::CanFilter> frames();
+
   /// Takes a frame. Returns true when it completes a good sample, which is then in `reading`.
   bool take(const CanFrame& frame, sensor::ImuReading& reading);
 

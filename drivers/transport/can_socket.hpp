@@ -17,15 +17,6 @@
 
 namespace slamd::transport {
 
-/// Frames that are wanted: those whose id agrees with `id` in the bits of `mask`.
-struct CanFilter {
-  std::uint32_t id = 0;
-  std::uint32_t mask = 0x1FFF'FFFF;
-  bool is_extended = false;
-
-  bool operator==(const CanFilter&) const = default;
-};
-
 struct CanSocketConfig {
   std::string interface;           // "can0"
   std::vector<CanFilter> filters;  // empty: all frames
