@@ -28,6 +28,8 @@ struct ToNetworkOptions {
   std::filesystem::path imu_terminal;
   imu::Protocol imu_protocol = imu::Protocol::kCsv;  // of the terminal
   int imu_rate_hz = 200;                             // at which the emulated sensor measures
+
+  std::string can_interface;  // where the frames of the recording's candump logs go; empty: nowhere
 };
 
 /// Reads HOST[:DATA_PORT[:POSITION_PORT]]. Errors: cli::UsageError, which names the command line's option.
@@ -57,12 +59,15 @@ struct ToNetworkReport {
   std::uint64_t position = 0;
   std::uint64_t imu_packets = 0;  // of a Livox's built-in sensor
   std::uint64_t imu_rows = 0;
+  std::uint64_t can_frames = 0;
 
   std::uint64_t foreign = 0;        // packets to other ports, and refused frames: not sent
   std::uint64_t imu_unheard = 0;    // rows that nobody read from the terminal
   std::uint64_t imu_withheld = 0;   // rows that the emulated sensor did not send: was being configured, or to a lower rate
   std::uint64_t imu_outside = 0;    // rows more than kImuMargin before the first packet or after the last
   std::uint64_t imu_refused = 0;    // bad rows of the file
+  std::uint64_t can_outside = 0;    // as imu_outside
+  std::uint64_t can_refused = 0;    // lines of the logs that are no frames with data
   Duration worst_lateness{};        // of a packet or a row behind its deadline
   Duration mean_lateness{};
   Duration recording{};             // from the first event sent to the last

@@ -158,6 +158,9 @@ void declare(CLI::App& app, Options& options) {
       ->check(CLI::Range(50.0, 1000.0))
       ->capture_default_str()
       ->group(kSensors);
+  app.add_option("--can", options.can, "Inertial sensor and wheels on a CAN bus: also write can.log, and have recording.toml name it")
+      ->check(CLI::IsMember({"xsens", "aceinna"}))
+      ->group(kSensors);
   app.add_flag("--perfect-imu", options.perfect_imu, "Inertial sensors without any error")->group(kSensors);
   app.add_flag("--no-sky", options.covered, "GNSS never has a fix")->group(kSensors);
   app.add_option("--drive", options.drive_to,
@@ -238,6 +241,9 @@ Drive drive_of(const Options& options) {
   // There is no sky over these.
   drive.gnss_errors.covered =
       options.covered || drive.world == "indoor" || drive.world == "tunnel" || drive.world == "warehouse";
+  if (!options.can.empty()) {
+    drive.can = options.can == "xsens" ? imu::Protocol::kXsens : imu::Protocol::kAceinna;
+  }
   check_live(options, drive);
   drive.driven = options.live || !options.drive_to.empty();
   if (drive.driven) {
@@ -245,6 +251,9 @@ Drive drive_of(const Options& options) {
   }
   drive.mesh = options.mesh;
   if (asks_for_any(options.faults)) {
+    if (drive.can) {
+      throw cli::UsageError("--can: faults are those of packets and of imu.csv, and not of the bus");
+    }
     drive.faults = faults_of(options.faults, drive.seed);
   }
   if (!options.waypoints.empty()) {
