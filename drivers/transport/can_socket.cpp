@@ -83,9 +83,13 @@ struct CanSocket::Batch {
 };
 
 CanSocket::CanSocket(const CanSocketConfig& config, const HostClock& clock)
-    : interface_(config.interface), receipts_(clock), wanted_bytes_(config.receive_buffer_bytes), batch_(std::make_unique<Batch>()) {
+    : interface_(config.interface),
+      filters_(config.filters),
+      receipts_(clock),
+      wanted_bytes_(config.receive_buffer_bytes),
+      batch_(std::make_unique<Batch>()) {
   try {
-    open_socket(config);
+    open_socket();
   } catch (...) {
     close(fd_);
     throw;
@@ -99,7 +103,7 @@ CanSocket::CanSocket(int fd, std::string interface, const HostClock& clock)
 
 CanSocket::~CanSocket() { close(fd_); }
 
-void CanSocket::open_socket(const CanSocketConfig& config) {
+void CanSocket::open_socket() {
   fd_ = socket(PF_CAN, SOCK_RAW | SOCK_NONBLOCK | SOCK_CLOEXEC, CAN_RAW);
   if (fd_ < 0) {
     fail(interface_, errno);
@@ -107,15 +111,20 @@ void CanSocket::open_socket(const CanSocketConfig& config) {
   if (const int error = receipts_.set_up(fd_, wanted_bytes_); error != 0) {
     fail(interface_, error);
   }
-  std::vector<can_filter> filters;
-  for (const CanFilter& filter : config.filters) {
-    filters.push_back(as_kernel_has_it(filter));
-  }
-  const auto size = static_cast<socklen_t>(filters.size() * sizeof(can_filter));
-  if ((!filters.empty() && setsockopt(fd_, SOL_CAN_RAW, CAN_RAW_FILTER, filters.data(), size) != 0) ||
-      setsockopt(fd_, SOL_CAN_RAW, CAN_RAW_ERR_FILTER, &kErrors, sizeof kErrors) != 0) {
+  if (!set_filters() || setsockopt(fd_, SOL_CAN_RAW, CAN_RAW_ERR_FILTER, &kErrors, sizeof kErrors) != 0) {
     fail(interface_, errno);
   }
+}
+
+bool CanSocket::set_filters() const {
+  std::vector<can_filter> filters;
+  for (const CanFilter& filter : filters_) {
+    filters.push_back(as_kernel_has_it(filter));
+  }
+  if (filters.empty()) {
+    filters.push_back({0, 0});  // all
+  }
+  return setsockopt(fd_, SOL_CAN_RAW, CAN_RAW_FILTER, filters.data(), static_cast<socklen_t>(filters.size() * sizeof(can_filter))) == 0;
 }
 
 CanLink CanSocket::attend() {
@@ -137,7 +146,8 @@ bool CanSocket::bind_to(int index) {
   sockaddr_can address{};
   address.can_family = AF_CAN;
   address.can_ifindex = index;
-  if (bind(fd_, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0) {
+  // With an interface that is gone the kernel has forgotten the filters, too.
+  if (!set_filters() || bind(fd_, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0) {
     return false;
   }
   index_.store(index, std::memory_order_relaxed);

@@ -20,7 +20,7 @@ namespace slamd::transport {
 struct CanSocketConfig {
   std::string interface;           // "can0"
   std::vector<CanFilter> filters;  // empty: all frames
-  int receive_buffer_bytes = 1 << 20;
+  int receive_buffer_bytes = 4 << 20;
 };
 
 /// What an interface is found to be.
@@ -98,13 +98,15 @@ class CanSocket {
  private:
   struct Batch;
 
-  void open_socket(const CanSocketConfig& config);
+  void open_socket();
+  bool set_filters() const;
   bool bind_to(int index);
   std::size_t take_batch();
   bool open(std::size_t index, CanFrame& frame);
   void note_error(std::uint32_t id, std::span<const std::byte> data);
 
   std::string interface_;
+  std::vector<CanFilter> filters_;
   Receipts receipts_;
   int fd_ = -1;
   int wanted_bytes_ = 0;
