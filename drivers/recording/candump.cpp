@@ -1,5 +1,6 @@
 #include "drivers/recording/candump.hpp"
 
+#include <algorithm>
 #include <charconv>
 #include <cstdio>
 #include <optional>
@@ -37,6 +38,12 @@ std::optional<std::uint32_t> hex_number(std::string_view digits) {
   return error == std::errc() && end == digits.data() + digits.size() ? std::optional(number) : std::nullopt;
 }
 
+/// Tells whether the kernel would have an interface of this name.
+bool is_interface(std::string_view name) {
+  constexpr std::size_t kLongest = 15;
+  return !name.empty() && name.size() <= kLongest && std::all_of(name.begin(), name.end(), [](char c) { return c > ' ' && c < 0x7F; });
+}
+
 bool read_data(std::string_view digits, CanFrame& frame) {
   if (digits.size() % 2 != 0 || digits.size() > 2 * frame.data.size()) {
     return false;
@@ -69,7 +76,7 @@ CanLine parse_candump(std::string_view line, CanFrame& frame, std::string_view& 
   const auto name = take_until(line, ' ');
   const auto digits = name ? take_until(line, '#') : std::nullopt;
   const auto id = digits ? hex_number(*digits) : std::nullopt;
-  if (!id || name->empty() || (digits->size() != kShortDigits && digits->size() != kLongDigits)) {
+  if (!id || !is_interface(*name) || (digits->size() != kShortDigits && digits->size() != kLongDigits)) {
     return CanLine::kMalformed;
   }
   if (line.starts_with('#') || line.starts_with('R') || (digits->size() == kLongDigits && (*id & kErrorFlag) != 0)) {

@@ -12,6 +12,7 @@
 #include "daemon/bus/encoding.hpp"
 #include "drivers/recording/pcap_writer.hpp"
 #include "tools/simulate/fault_injector.hpp"
+#include "tools/simulate/live_can.hpp"
 #include "tools/simulate/simulate.hpp"
 #include "tools/simulate/simulated_source.hpp"
 
@@ -96,13 +97,14 @@ class LiveRecording {
 class Sender {
  public:
   Sender(replay::NetworkPlayer& player, bus::Connection& connection, const bus::Channels& channels,
-         FaultInjector* injector, LiveRecording* recording, PacketOutlet* outlet)
+         FaultInjector* injector, LiveRecording* recording, PacketOutlet* outlet, LiveCan* can)
       : player_(player),
         connection_(connection),
         channels_(channels),
         injector_(injector),
         recording_(recording),
-        outlet_(outlet) {}
+        outlet_(outlet),
+        can_(can) {}
 
   void send(const Moment& moment) {
     if (recording_ != nullptr) {
@@ -110,11 +112,18 @@ class Sender {
     }
     std::size_t packet = 0;
     std::size_t row = 0;
+    std::size_t wheels = 0;
     std::size_t truth = 0;
     const auto before = [](const auto& list, std::size_t i, double t_s) { return i < list.size() && list[i].t_s <= t_s; };
     const auto send_until = [&](double t_s) {
       for (; before(moment.rows, row, t_s); ++row) {
         send(moment.rows[row]);
+      }
+      for (; before(moment.wheels, wheels, t_s); ++wheels) {
+        send(moment.wheels[wheels]);
+      }
+      if (can_ != nullptr) {
+        can_->send_until(stamp_at(t_s), player_);
       }
       for (; before(moment.truths, truth, t_s); ++truth) {
         send(moment.truths[truth], moment.collisions);
@@ -164,6 +173,15 @@ class Sender {
     if (player_.takes_rows()) {
       player_.send(sample, stamp_at(row.t_s));
     }
+    if (can_ != nullptr) {
+      can_->add(sample);
+    }
+  }
+
+  void send(const Moment::Wheels& wheels) {
+    if (can_ != nullptr) {
+      can_->add(wheels.reading, stamp_at(wheels.t_s));
+    }
   }
 
   void send(const Moment::Truth& truth, std::uint32_t collisions) {
@@ -183,6 +201,7 @@ class Sender {
   FaultInjector* injector_;
   LiveRecording* recording_;
   PacketOutlet* outlet_;
+  LiveCan* can_;
 };
 
 std::string collision_text(const Moment& moment) {
@@ -201,7 +220,8 @@ LiveDrive::LiveDrive(const Drive& drive)
       vehicle_(scene_.world(), scene_.route(), ride_of(drive), start_of(scene_.route(), ride_of(drive), drive.seed),
                drive.seed),
       packets_(scene_, PacketStream::Drive::kGrowing),
-      imu_(scene_.imu()) {}
+      imu_(scene_.imu()),
+      wheels_(scene_.motion(), kWheel_hz, drive.wheel_errors, drive.seed) {}
 
 Moment LiveDrive::next(const Velocity& command) {
   Moment moment;
@@ -217,6 +237,11 @@ Moment LiveDrive::next(const Velocity& command) {
   double t_s = 0.0;
   for (InertialReading reading; imu_.next_s() <= scene_.known_s() && imu_.next(t_s, reading);) {
     moment.rows.push_back({t_s, reading});
+  }
+  for (; static_cast<double>(wheel_readings_) / kWheel_hz <= scene_.known_s(); ++wheel_readings_) {
+    WheelReading reading;
+    wheels_.next(t_s, reading);
+    moment.wheels.push_back({t_s, reading});
   }
   for (; static_cast<double>(truths_) / kTruth_hz <= scene_.known_s(); ++truths_) {
     t_s = static_cast<double>(truths_) / kTruth_hz;
@@ -243,7 +268,11 @@ LiveReport drive_live(const Drive& drive, const LiveOptions& options, replay::Se
   if (!options.directory.empty()) {
     recording.emplace(drive, options.directory);
   }
-  Sender sender(player, connection, channels, faulty, recording ? &*recording : nullptr, outlet);
+  std::optional<LiveCan> can;
+  if (!options.target.can_interface.empty()) {
+    can.emplace(drive, options.target.can_interface, clock);
+  }
+  Sender sender(player, connection, channels, faulty, recording ? &*recording : nullptr, outlet, can ? &*can : nullptr);
 
   // One moment is simulated while the one before is sent.
   const auto simulate_next = [&] { return live.next(inbox.newest()); };
@@ -267,6 +296,7 @@ LiveReport drive_live(const Drive& drive, const LiveOptions& options, replay::Se
   next.wait();
   sender.finish();
   report.sent = player.finish();
+  report.sent.can_frames = can ? can->sent() : 0;
   report.path_m = live.scene().path_m();
   report.commands = inbox.commands();
   report.commands_malformed = inbox.malformed();

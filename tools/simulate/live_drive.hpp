@@ -18,6 +18,10 @@ struct Moment {
     double t_s = 0.0;
     InertialReading reading;
   };
+  struct Wheels {
+    double t_s = 0.0;
+    WheelReading reading;
+  };
   struct Truth {
     double t_s = 0.0;
     MotionState motion;
@@ -28,6 +32,7 @@ struct Moment {
   std::uint32_t collisions = 0;  // since the start of the drive
   std::vector<SentPacket> packets;
   std::vector<Row> rows;         // of the external inertial sensor
+  std::vector<Wheels> wheels;    // kWheel_hz a second
   std::vector<Truth> truths;     // 100 a second
 };
 
@@ -51,7 +56,9 @@ class LiveDrive {
   DrivenVehicle vehicle_;
   PacketStream packets_;
   InertialSensor imu_;
+  WheelSensor wheels_;
   std::uint64_t knots_ = 0;
+  std::uint64_t wheel_readings_ = 0;
   std::uint64_t truths_ = 0;
 };
 

@@ -51,9 +51,12 @@ std::vector<Eigen::Vector2d> read_waypoints(const std::string& file) {
 /// Errors: UsageError for live options that do not go together.
 void check_live(const Options& options, const Drive& drive) {
   const bool driven = options.live || !options.drive_to.empty();
-  const bool asks = options.json || !(options.imu_to.empty() && options.lcm_url.empty() && options.lcm_prefix.empty());
+  const bool asks = options.json || !(options.imu_to.empty() && options.can_to.empty() && options.lcm_url.empty() && options.lcm_prefix.empty());
   if (!driven && asks) {
-    throw cli::UsageError("--imu-to, --url, --prefix and --json are of use with --drive or --live");
+    throw cli::UsageError("--imu-to, --can-to, --url, --prefix and --json are of use with --drive or --live");
+  }
+  if (!options.can_to.empty() && options.can.empty()) {
+    throw cli::UsageError("--can-to needs --can: what the inertial sensor speaks");
   }
   if (!options.live && !options.device_code.empty()) {
     throw cli::UsageError("--device-code is of use with --live");
@@ -175,6 +178,8 @@ void declare(CLI::App& app, Options& options) {
   app.add_option("--device-code", options.device_code, "With --live: its broadcast code or serial number")->group(kLive);
   app.add_option("--imu-to", options.imu_to, "Where inertial samples go: udp:HOST:PORT, pty:LINKPATH, or as an emulated sensor sends them, xsens:LINKPATH, mip:LINKPATH")
       ->group(kLive);
+  app.add_option("--can-to", options.can_to, "The CAN interface on which inertial sensor and wheels speak as --can says, such as vcan0")
+      ->group(kLive);
   app.add_option("--url", options.lcm_url, "LCM's, for commands and truth")
       ->default_str(std::string(bus::kDefaultUrl))
       ->group(kLive);
@@ -194,6 +199,7 @@ LiveOptions live_options_of(const Options& options) {
     replay::parse_imu_destination(options.imu_to, live.target);
     live.target.imu_rate_hz = std::max(1, static_cast<int>(std::lround(options.drive.imu_rate_hz)));
   }
+  live.target.can_interface = options.can_to;
   live.lcm_url = options.lcm_url.empty() ? std::string(bus::kDefaultUrl) : options.lcm_url;
   live.lcm_prefix = options.lcm_prefix.empty() ? std::string(bus::kDefaultPrefix) : options.lcm_prefix;
   if (!bus::is_prefix(live.lcm_prefix)) {

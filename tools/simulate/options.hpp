@@ -37,6 +37,7 @@ struct Options {
   bool live = false;
   std::string device_code;
   std::string imu_to;
+  std::string can_to;
   std::string lcm_url;
   std::string lcm_prefix;
   bool json = false;

@@ -54,7 +54,7 @@ TEST(Candump, TellsWhatCarriesNoDataFromWhatIsBroken) {
   for (const char* line : {"", "(", "(1.0", "(1.0)", "(1.0) ", "(1.0) can0", "(1.0) can0 ", "(1.0) can0 123", "1.0 can0 123#00", "(x) can0 123#00",
                            "(1.0)can0 123#00", "(1.0)  123#00", "(1.0) can0 12#00", "(1.0) can0 FFF#00", "(1.0) can0 12G#00",
                            "(1.0) can0 123#0", "(1.0) can0 123#0G", "(1.0) can0 123#001122334455667788", "(1.0) can0 FFFFFFFF1#00",
-                           "(1.0) can0 40000000#00", "(1.0) can0 -12#00"}) {
+                           "(1.0) can0 40000000#00", "(1.0) a_name_too_long_ 123#00", "(1.0) ca\tn0 123#00", "(1.0) can0 -12#00"}) {
     EXPECT_EQ(parsed(line), CanLine::kMalformed) << line;
   }
 }
