@@ -14,9 +14,9 @@ using transport::CanFrame;
 
 /// Decodes the frames of an Xsens MTi-600 (11-bit ids as delivered, big-endian) into inertial samples.
 ///
-/// A sample comes as a group of frames, one quantity each: it is complete with SampleTime, RateOfTurn and Acceleration,
-/// and given up when one of its ids comes again before. Its time is SampleTime, 0.1 ms ticks, carried on over the wrap;
-/// gaps of GroupCounter are counted.
+/// A sample comes as a group of frames, one quantity each, SampleTime before what was measured: it is complete with
+/// SampleTime, RateOfTurn and Acceleration, and given up when one of its ids, or the next time, comes before. Its time is SampleTime, 0.1 ms ticks, carried on over the wrap;
+/// gaps of GroupCounter are counted. Of a quantity that also comes in high resolution (HR) only that is taken.
 /// Source: imu-can.md §A. Real-time: never allocates; O(1); one thread.
 class XsensCanReader {
  public:
@@ -45,6 +45,7 @@ class XsensCanReader {
   bool finish(Stamp received, sensor::ImuReading& reading);
 
   Group group_;
+  std::uint32_t high_resolution_ = 0;  // quantities that have come so
   std::optional<std::uint32_t> last_ticks_;
   std::optional<std::uint16_t> last_counter_;
   std::int64_t ticks_ = 0;  // carried on over the wrap
