@@ -102,6 +102,31 @@ inertial() {
     fail "$1: $sample of $2 inertial samples are there, and $incomplete frames were incomplete"
   fi
 }
+# punctual PROTOCOL: the sender had the processor when it needed it. Nothing on the bus tells when a wheel turned or an
+# Aceinna measured: where this computer is busy with other things, their stamps are as late as the frames, and so would be
+# the pose.
+punctual() {
+  local late
+  late=$(jq -c '.lateness_ms | [.mean, .worst] | map(round)' "$scratch/$1/sent.json")
+  if jq -e '.lateness_ms | .mean < 40 and .worst < 400' "$scratch/$1/sent.json" >/dev/null; then return 0; fi
+  skip "$1: the pose is not judged, for this computer was too busy: frames went out $late ms late (mean, worst)"
+  return 1
+}
+# judge_pose PROTOCOL: the wheels were used, and the pose is where it should be.
+judge_pose() {
+  local drive=$scratch/$1 used offset ape poses
+  used=$(sed -nE 's/^I wheels: .*used ([0-9]+).*/\1/p' "$drive/log")
+  if [ "${used:-0}" -gt 200 ]; then pass "$1: the odometry used $used samples of the wheels"; else fail "$1: the odometry used '$used' samples of the wheels"; fi
+  offset=$(jq .wall_minus_recorded_s "$drive/sent.json")
+  ape=$("$bin/slamd-evaluate" --json --offset="-$offset" "$drive/truth.tum" "$drive/live.tum" | jq .ape_m.se3.rmse)
+  # Of the poses the listener may miss some: it is the last that this computer gives its one processor to.
+  poses=$(wc -l <"$drive/live.tum")
+  if [ "$poses" -gt 100 ] && [ -n "$ape" ] && awk "BEGIN { exit !($ape < 0.05) }"; then
+    pass "$1: $poses poses lie $ape m rms from the truth"
+  else
+    fail "$1: $poses poses lie '$ape' m rms from the truth"
+  fi
+}
 for protocol in aceinna xsens; do
   drive=$scratch/$protocol
   sent=$(jq .sent.can_frames "$drive/sent.json")
@@ -109,20 +134,10 @@ for protocol in aceinna xsens; do
   more=$([ "$protocol" = xsens ] && echo 10 || echo 0)  # of what came in by hand, afterwards
   says "$protocol: all $sent CAN frames that were sent are read" "^I can: received $((sent + more))(,|$)" "$protocol"
   inertial "$protocol" "$samples"
-  used=$(sed -nE 's/^I wheels: .*used ([0-9]+).*/\1/p' "$drive/log")
-  if [ "${used:-0}" -gt 200 ]; then pass "$protocol: the odometry used $used samples of the wheels"; else fail "$protocol: the odometry used '$used' samples of the wheels"; fi
-  offset=$(jq .wall_minus_recorded_s "$drive/sent.json")
-  ape=$("$bin/slamd-evaluate" --json --offset="-$offset" "$drive/truth.tum" "$drive/live.tum" | jq .ape_m.se3.rmse)
   holds "$protocol: a pose for every inertial sample since it was levelled" "$drive/health.json" \
     '.health | (.counters.poses > 2000 and .counters.kernel_lost == 0)'
   holds "$protocol: three sensors are heard" "$drive/health.json" '.health.sensors | length == 3 and (map(.received > 300) | all)'
-  # Of the poses, the listener may miss some: it is the last that this computer gives its one processor to.
-  poses=$(wc -l <"$drive/live.tum")
-  if [ "$poses" -gt 100 ] && awk "BEGIN { exit !($ape < 0.05) }"; then
-    pass "$protocol: $poses poses lie $ape m rms from the truth"
-  else
-    fail "$protocol: $poses poses lie '$ape' m rms from the truth"
-  fi
+  if punctual "$protocol"; then judge_pose "$protocol"; fi
   if [ "$(cat "$drive/code")" = 0 ]; then pass "$protocol: slamd ends cleanly"; else fail "$protocol: slamd ends with $(cat "$drive/code")"; fi
 done
 
