@@ -74,7 +74,7 @@ void ReceiveLoop::open_can(const Configuration& configuration, const transport::
   const configuration::WheelConfiguration& wheel = configuration.wheel;
   const bool has_wheels = wheel.use && !wheel.source.empty();
   if (has_wheels && wheel.source != "can") {
-    throw ConfigurationError("wheel.source = \"" + wheel.source + "\": a file is for slamd-replay; slamd takes can");
+    throw ConfigurationError("wheel.source = \"" + wheel.source + "\": a file is for slamd-replay; slamd takes can (or none: wheel.use = false)");
   }
   if (!has_wheels && !(configuration.imu.enabled && configuration.imu.source == "can")) {
     return;

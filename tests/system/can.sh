@@ -43,7 +43,7 @@ until_health() {
     sleep 0.1
   done
 }
-"$tests/test_drivers_transport" --gtest_filter='CanKernel.*' >"$scratch/kernel" 2>&1
+{ "$tests/test_drivers_transport" --gtest_filter='CanKernel.*' && "$tests/test_daemon_pipeline" --gtest_filter='CanLoop.*'; } >"$scratch/kernel" 2>&1
 echo $? >"$scratch/kernel.code"
 
 drive aceinna
@@ -78,11 +78,11 @@ if in_uml 100 "$scratch/guest" >"$scratch/console"; then pass "user-mode Linux r
 fi
 
 if [ "$(cat "$scratch/kernel.code" 2>/dev/null)" = 127 ]; then
-  skip "test_drivers_transport is not built"
+  skip "test_drivers_transport or test_daemon_pipeline is not built"
 elif [ "$(cat "$scratch/kernel.code" 2>/dev/null)" = 0 ] && ! grep -q SKIPPED "$scratch/kernel"; then
-  pass "$(grep -c '  OK' "$scratch/kernel") tests of the socket: filters, stamps, overflow counted exactly, errors, slcan"
+  pass "$(grep -c '  OK' "$scratch/kernel") tests of socket and receive thread: filters, stamps, overflow counted exactly, errors, slcan, no allocation"
 else
-  fail "tests of the socket"
+  fail "tests of socket and receive thread"
   grep -E 'Failure|FAILED|SKIPPED' -A 4 "$scratch/kernel" | head -n 20
 fi
 
