@@ -8,6 +8,8 @@
 #include "core/geometry/se3.hpp"
 #include "core/odometry/odometry_config.hpp"
 #include "daemon/configuration/device.hpp"
+#include "drivers/can/can_signal.hpp"
+#include "drivers/can/wheel_signals.hpp"
 #include "drivers/imu/protocol.hpp"
 
 namespace slamd::configuration {
@@ -36,6 +38,9 @@ bool is_livox(LidarModel model);
 
 /// Whose time a sensor's stamps tell.
 enum class SensorClock { kEstimated, kShared };
+
+/// Tells whether a recording's file is what candump -l writes.
+inline bool is_can_log(const std::string& source) { return source.ends_with(".log"); }
 
 struct LidarConfiguration {
   LidarModel model = LidarModel::kVlp16;
@@ -67,22 +72,39 @@ struct LidarConfiguration {
 
 struct ImuConfiguration {
   bool enabled = false;       // true as soon as the table is there
-  std::string source;         // file in the recording, "livox", or live "udp" or "serial"
+  std::string source;         // file in the recording, "livox", or live "udp", "serial" or "can"
   int port = 7501;            // UDP destination port of "udp"
   std::string device;         // terminal of "serial"
   int baud = 921'600;         // its rate; 0: is found by listening
-  imu::Protocol protocol = imu::Protocol::kCsv;  // of "serial"
+  imu::Protocol protocol = imu::Protocol::kCsv;  // of "serial", "can" and logs
   int rate_hz = 0;            // samples that an Xsens or a MicroStrain is told to send; 0: it is left as it is
+  std::string interface;           // of "can"; of a log: empty for all
+  std::string axis_map = "y,x,z";  // of an Aceinna: see can::parse_axis_map
+  int can_address = -1;            // of an Aceinna; -1: whichever speaks
   std::optional<geometry::Se3> T_base_imu;
   SensorClock clock = SensorClock::kEstimated;
 
   /// Tells whether the samples come from a port of this host rather than from a file or the LiDAR.
-  bool is_live_port() const { return source == "udp" || source == "serial"; }
+  bool is_live_port() const { return source == "udp" || source == "serial" || source == "can"; }
+
+  /// Tells whether the samples come as CAN frames, live or from a candump log.
+  bool is_on_can() const { return source == "can" || is_can_log(source); }
 };
 
 struct WheelConfiguration {
   bool use = true;
-  std::string source;
+  std::string source;     // file in the recording, or live "can"; empty: none
+  std::string interface;  // of "can"; of a log: empty for all
+  can::WheelModel model = can::WheelModel::kDifferential;
+  double track_m = 0.5;
+  double wheelbase_m = 2.5;
+  std::optional<can::CanSignal> left;  // m/s
+  std::optional<can::CanSignal> right;
+  std::optional<can::CanSignal> speed;     // m/s
+  std::optional<can::CanSignal> steering;  // rad
+
+  /// Tells whether the samples come as CAN frames, live or from a candump log.
+  bool is_on_can() const { return source == "can" || is_can_log(source); }
 };
 
 struct GnssConfiguration {

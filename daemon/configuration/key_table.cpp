@@ -4,162 +4,15 @@
 #include <charconv>
 #include <cmath>
 #include <cstdio>
-#include <map>
-#include <type_traits>
 
-#include "core/geometry/so3.hpp"
+#include "daemon/configuration/can_keys.hpp"
+#include "daemon/configuration/key_makers.hpp"
 
 namespace slamd::configuration {
 
+using namespace keys;
+
 namespace {
-
-constexpr double kDegree = M_PI / 180.0;
-
-/// Rounds away what a change of units leaves in the last digits, so that what is printed reads back to itself.
-double rounded(double value) { return std::round(1e9 * value) / 1e9 + 0.0; }
-
-/// Stores into, and reads from, any of the types that configuration structs use.
-template <typename T>
-double to_number(const T& field) {
-  if constexpr (std::is_same_v<T, Duration>) {
-    return static_cast<double>(field.count()) / 1e6;  // ms
-  } else if constexpr (std::is_same_v<T, float>) {
-    // The shortest decimal number that names this float: 0.05, not 0.05000000074505806.
-    char text[32];
-    const auto end = std::to_chars(text, text + sizeof text, field).ptr;
-    double value = 0.0;
-    std::from_chars(text, end, value);
-    return value;
-  } else {
-    return static_cast<double>(field);
-  }
-}
-
-template <typename T>
-void from_number(T& field, double value) {
-  if constexpr (std::is_same_v<T, Duration>) {
-    field = from_seconds(1e-3 * value);
-  } else {
-    field = static_cast<T>(value);
-  }
-}
-
-/// `field` maps a Configuration to a reference to the member; `unit` is one of the key's unit in the member's.
-template <typename Field>
-Key number(const char* path, double min, double max, const char* help, Field field, double unit = 1.0) {
-  using T = std::remove_cvref_t<decltype(field(std::declval<Configuration&>()))>;
-  Key key;
-  key.path = path;
-  key.kind = std::is_integral_v<T> ? Key::Kind::kInteger : Key::Kind::kNumber;
-  key.help = help;
-  key.min = min;
-  key.max = max;
-  key.set = [field, unit](Configuration& c, const Value& v) { from_number(field(c), std::get<double>(v) * unit); };
-  key.get = [field, unit](const Configuration& c) {
-    const double value = to_number(field(const_cast<Configuration&>(c)));
-    return Value(unit == 1.0 ? value : rounded(value / unit));
-  };
-  return key;
-}
-
-template <typename Field>
-Key boolean(const char* path, const char* help, Field field) {
-  Key key;
-  key.path = path;
-  key.kind = Key::Kind::kBoolean;
-  key.help = help;
-  key.set = [field](Configuration& c, const Value& v) { field(c) = std::get<bool>(v); };
-  key.get = [field](const Configuration& c) { return Value(bool(field(const_cast<Configuration&>(c)))); };
-  return key;
-}
-
-template <typename Field>
-Key text(const char* path, const char* help, Field field) {
-  Key key;
-  key.path = path;
-  key.kind = Key::Kind::kText;
-  key.help = help;
-  key.set = [field](Configuration& c, const Value& v) { field(c) = std::get<std::string>(v); };
-  key.get = [field](const Configuration& c) { return Value(std::string(field(const_cast<Configuration&>(c)))); };
-  return key;
-}
-
-template <typename Field>
-Key name(const char* path, const char* help, Field field) {
-  Key key = text(path, help, field);
-  key.kind = Key::Kind::kName;
-  return key;
-}
-
-template <typename Enum, typename Field>
-Key choice(const char* path, const std::vector<std::pair<std::string, Enum>>& names, const char* help, Field field) {
-  Key key;
-  key.path = path;
-  key.kind = Key::Kind::kChoice;
-  key.help = help;
-  for (const auto& [name, value] : names) {
-    key.choices.push_back(name);
-  }
-  key.set = [field, names](Configuration& c, const Value& v) {
-    for (const auto& [name, value] : names) {
-      if (name == std::get<std::string>(v)) {
-        field(c) = value;
-      }
-    }
-  };
-  key.get = [field, names](const Configuration& c) {
-    for (const auto& [name, value] : names) {
-      if (value == field(const_cast<Configuration&>(c))) {
-        return Value(name);
-      }
-    }
-    return Value(std::string());
-  };
-  return key;
-}
-
-Key vector3(std::string path, double limit, const char* help, std::function<void(Configuration&, Eigen::Vector3d)> set,
-            std::function<std::optional<Eigen::Vector3d>(const Configuration&)> get) {
-  Key key;
-  key.path = std::move(path);
-  key.kind = Key::Kind::kVector3;
-  key.help = help;
-  key.min = -limit;
-  key.max = limit;
-  key.set = [set = std::move(set)](Configuration& c, const Value& v) {
-    const auto& values = std::get<std::vector<double>>(v);
-    set(c, {values[0], values[1], values[2]});
-  };
-  key.get = [get = std::move(get)](const Configuration& c) {
-    const auto v = get(c);
-    return Value(v ? std::vector<double>{v->x(), v->y(), v->z()} : std::vector<double>());
-  };
-  key.optional = true;
-  return key;
-}
-
-/// The two keys of a transform: xyz_m and rpy_deg, R = Rz(yaw)·Ry(pitch)·Rx(roll).
-void add_transform(std::vector<Key>& keys,
-                   const std::string& path,
-                   const char* help,
-                   const std::function<geometry::Se3&(Configuration&)>& edit,
-                   const std::function<std::optional<geometry::Se3>(const Configuration&)>& read) {
-  keys.push_back(vector3(
-      path + ".xyz_m", 1000.0, help, [edit](Configuration& c, Eigen::Vector3d v) { edit(c).translation() = v; },
-      [read](const Configuration& c) {
-        const auto T = read(c);
-        return T ? std::optional<Eigen::Vector3d>(T->translation()) : std::nullopt;
-      }));
-  keys.push_back(vector3(
-      path + ".rpy_deg", 360.0, "Its rotation: Rz(yaw)·Ry(pitch)·Rx(roll).",
-      [edit](Configuration& c, Eigen::Vector3d v) { edit(c).rotation() = geometry::rotation_from_rpy(v * kDegree); },
-      [read](const Configuration& c) {
-        const auto T = read(c);
-        return T ? std::optional<Eigen::Vector3d>(
-                       (geometry::rpy_from_rotation(T->rotation()) / kDegree).unaryExpr(&rounded))
-                 : std::nullopt;
-      }));
-}
 
 Key self_filter_boxes() {
   Key key;
@@ -198,7 +51,7 @@ void add_sensor_keys(std::vector<Key>& keys) {
   const std::vector<std::pair<std::string, SensorClock>> clocks{{"estimated", SensorClock::kEstimated},
                                                                 {"shared", SensorClock::kShared}};
   std::vector<std::pair<std::string, imu::Protocol>> protocols;
-  for (const imu::Protocol protocol : {imu::Protocol::kCsv, imu::Protocol::kXsens, imu::Protocol::kMip}) {
+  for (const imu::Protocol protocol : {imu::Protocol::kCsv, imu::Protocol::kXsens, imu::Protocol::kMip, imu::Protocol::kAceinna}) {
     protocols.emplace_back(name_of(protocol), protocol);
   }
   std::vector<std::pair<std::string, LidarModel>> models;
@@ -226,12 +79,13 @@ void add_sensor_keys(std::vector<Key>& keys) {
   keys.push_back(number("lidar.scans_per_second", 0.5, 100.0, "Rate of a points folder without stamps.", SLAMD_FIELD(lidar.scans_per_second)));
   add_device_keys(keys);
   keys.push_back(boolean("imu.enabled", "true as soon as the table is there.", SLAMD_FIELD(imu.enabled)));
-  keys.push_back(text("imu.source", "A CSV file of the recording, or \"livox\" for the built-in sensor; live also \"udp\" (CSV rows) or \"serial\".", SLAMD_FIELD(imu.source)));
+  keys.push_back(text("imu.source", "A CSV file or a candump log (.log) of the recording, or \"livox\" for the built-in sensor; live also \"udp\" (CSV rows), \"serial\" or \"can\".", SLAMD_FIELD(imu.source)));
   keys.push_back(number("imu.port", 1, 65535, "Live, \"udp\": destination port of the rows.", SLAMD_FIELD(imu.port)));
   keys.push_back(text("imu.device", "Live, \"serial\": the terminal, such as /dev/ttyUSB0, or better a link below /dev/serial/by-id.", SLAMD_FIELD(imu.device)));
   keys.push_back(number("imu.baud", 0, 4000000, "Live, \"serial\": its rate, one of the standard ones; 0: found by listening.", SLAMD_FIELD(imu.baud)));
-  keys.push_back(choice("imu.protocol", protocols, "Live, \"serial\": CSV rows, Xsens MTData2 or MicroStrain MIP.", SLAMD_FIELD(imu.protocol)));
-  keys.push_back(number("imu.rate_hz", 0, 2000, "Live, \"xsens\" and \"mip\": samples a second that the sensor is told to send; 0: it is left as it is.", SLAMD_FIELD(imu.rate_hz)));
+  keys.push_back(choice("imu.protocol", protocols, "\"serial\": CSV rows, Xsens MTData2 or MicroStrain MIP; \"can\": Xsens MTi-600 or Aceinna (J1939).", SLAMD_FIELD(imu.protocol)));
+  keys.push_back(number("imu.rate_hz", 0, 2000, "Live, \"serial\", \"xsens\" and \"mip\": samples a second that the sensor is told to send; 0: it is left as it is.", SLAMD_FIELD(imu.rate_hz)));
+  add_imu_can_keys(keys);
   add_transform(keys, "imu.T_base_imu", "The inertial sensor's place in base; a Livox's own follows from T_base_lidar.",
                 [](Configuration& c) -> geometry::Se3& {
                   if (!c.imu.T_base_imu) {
@@ -247,7 +101,8 @@ void add_sensor_keys(std::vector<Key>& keys) {
   keys.push_back(number("imu.gyro_bias_walk_radps2_sqrthz", 1e-8, 0.1, "Walk of the gyroscope's bias.", SLAMD_FIELD(odometry.imu_noise.gyro_bias_walk_radps2_sqrthz)));
   keys.push_back(number("imu.accel_bias_walk_mps3_sqrthz", 1e-7, 1.0, "Walk of the accelerometer's bias.", SLAMD_FIELD(odometry.imu_noise.accel_bias_walk_mps3_sqrthz)));
   keys.push_back(boolean("wheel.use", "Use wheel odometry where there is a source.", SLAMD_FIELD(wheel.use)));
-  keys.push_back(text("wheel.source", "A CSV file of the recording; the live daemon has no wheels yet.", SLAMD_FIELD(wheel.source)));
+  keys.push_back(text("wheel.source", "A CSV file or a candump log (.log) of the recording; live: \"can\"; empty: no wheels.", SLAMD_FIELD(wheel.source)));
+  add_wheel_can_keys(keys);
   keys.push_back(boolean("gnss.use", "Use positions in the graph (a later release).", SLAMD_FIELD(gnss.use)));
   keys.push_back(text("gnss.source", "A file of the recording (CSV, or a receiver's NMEA and UBX), or \"velodyne\" for the sentences of its position packets; live also \"serial\", but no file.", SLAMD_FIELD(gnss.source)));
   keys.push_back(text("gnss.device", "Live, \"serial\": the terminal, such as /dev/ttyACM0, or better a link below /dev/serial/by-id.", SLAMD_FIELD(gnss.device)));

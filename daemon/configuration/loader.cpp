@@ -11,6 +11,7 @@
 
 #include <toml++/toml.h>
 
+#include "daemon/configuration/can.hpp"
 #include "drivers/transport/serial_port.hpp"
 #include "drivers/transport/udp_receiver.hpp"
 
@@ -212,6 +213,9 @@ void Loader::check_together(const Configuration& configuration, const std::map<s
   refuse_if(!lidar.source_address.empty() && !is_address(lidar.source_address), "lidar.source_address",
             quoted(lidar.source_address), "must be an IPv4 address with dots, such as \"192.168.1.201\", or empty");
   if (const std::optional<DeviceFault> fault = device_fault(lidar)) {
+    refuse_if(true, fault->path, fault->value, fault->why);
+  }
+  if (const std::optional<DeviceFault> fault = can_fault(configuration)) {
     refuse_if(true, fault->path, fault->value, fault->why);
   }
   refuse_if(imu.baud != 0 && !transport::SerialPort::is_standard_rate(imu.baud), "imu.baud", std::to_string(imu.baud),

@@ -4,6 +4,8 @@
 #include <cstdio>
 #include <system_error>
 
+#include <net/if.h>
+
 #include "daemon/stages/pose_stage.hpp"
 #include "drivers/transport/udp_receiver.hpp"
 
@@ -71,6 +73,7 @@ SensorHealth sensor_health(const std::string& name, const SensorCounts& counts, 
 HealthMonitor::HealthMonitor(const configuration::Configuration& configuration, Stamp started)
     : lidar_name_(name_of(configuration.lidar.model)),
       imu_enabled_(configuration.imu.enabled),
+      wheels_enabled_(configuration.wheel.use && configuration.wheel.source == "can"),
       shared_clock_(configuration.lidar.clock == configuration::SensorClock::kShared),
       gnss_enabled_(configuration.gnss.is_serial() || configuration.gnss.is_velodyne()),
       started_(started) {}
@@ -136,6 +139,15 @@ std::string gnss_cause(const stages::GnssState& state, Stamp now) {
              : "";
 }
 
+SensorHealth HealthMonitor::wheels(const Pipeline& pipeline, Stamp now) {
+  const ReceiveCounts receive = pipeline.receive().counts();
+  SensorHealth health = sensor_health("wheels", receive.wheels, true, now);
+  health.lost = receive.wheels.kernel_lost;
+  wheel_samples_.update(receive.wheels.received, now);
+  health.rate_hz = static_cast<float>(wheel_samples_.hz);
+  return health;
+}
+
 void HealthMonitor::add_causes(const Pipeline& pipeline, Stamp now, bus::Health& health) const {
   const auto say = [&](const std::string& words) { health.causes.try_push_back(bus::Text<79>(std::string_view(words))); };
   const ReceiveCounts receive = pipeline.receive().counts();
@@ -146,12 +158,22 @@ void HealthMonitor::add_causes(const Pipeline& pipeline, Stamp now, bus::Health&
       say(with_seconds((name + ": silent for %.1f s").c_str(), now - counts.last));
     }
   };
+  if (const CanInput* can = pipeline.receive().can(); can != nullptr) {
+    for (std::size_t i = 0; i < can->size(); ++i) {
+      if (can->socket(i).link() != transport::CanLink::kUp) {
+        say(can->socket(i).interface() + ": " + transport::in_words(can->socket(i).link()));
+      }
+    }
+  }
   judge(lidar_name_, receive.lidar);
   if (imu_enabled_) {
     judge("imu", receive.imu);
     if (const std::string_view fault = imu::in_words(receive.imu_units); !fault.empty()) {
       say("imu: " + std::string(fault));
     }
+  }
+  if (wheels_enabled_) {
+    judge("wheels", receive.wheels);
   }
   add_odometry_causes(pipeline, now, say);
   if (gnss_enabled_) {
@@ -192,8 +214,12 @@ bus::Health HealthMonitor::read(const Pipeline& pipeline, Stamp now, const std::
   if (gnss_enabled_) {
     health.sensors.push_back(gnss(pipeline, now));
   }
+  if (wheels_enabled_) {
+    health.sensors.push_back(wheels(pipeline, now));
+  }
   health.state = odometry.epoch == pipeline.epoch() ? static_cast<bus::State>(odometry.state) : bus::State::kStarting;
-  const bool silent = !hears(receive.lidar, now) || (imu_enabled_ && !hears(receive.imu, now));
+  const bool silent = !hears(receive.lidar, now) || (imu_enabled_ && !hears(receive.imu, now)) ||
+                      (wheels_enabled_ && !hears(receive.wheels, now));
   if ((silent || waits_for_scan(odometry, now)) && health.state == bus::State::kTracking) {
     health.state = bus::State::kDegraded;
   }
@@ -215,10 +241,15 @@ bus::Health HealthMonitor::read(const Pipeline& pipeline, Stamp now, const std::
   count("scans_skipped", odometry.skipped);
   count("scans_dropped", preprocess.scans_dropped);
   count("blocks_dropped", receive.blocks_dropped);
-  count("kernel_lost", receive.lidar.kernel_lost + receive.imu.kernel_lost);
+  count("kernel_lost", receive.lidar.kernel_lost + receive.imu.kernel_lost + receive.wheels.kernel_lost);
   count("imu_late", preprocess.imu_late);
   if (receive.samples_clipped != 0) {
     count("samples_clipped", receive.samples_clipped);
+  }
+  if (const CanInput* can = pipeline.receive().can(); can != nullptr) {
+    const transport::CanCounters frames = can->counters();
+    count("can_bus_off", frames.bus_off);
+    count("can_controller_lost", frames.controller_lost);
   }
   count("resets", pipeline.publish().counts().reset_counter);
   if (gnss_enabled_) {
@@ -237,8 +268,19 @@ bus::Health HealthMonitor::read(const Pipeline& pipeline, Stamp now, const std::
   return health;
 }
 
+namespace {
+
+/// The interface that an event of CAN is about.
+std::string interface_of(const threads::EventRecord& record) {
+  char name[IF_NAMESIZE];
+  return if_indextoname(static_cast<unsigned>(record.value), name) != nullptr ? name : "CAN interface " + std::to_string(record.value);
+}
+
+}  // namespace
+
 std::string cause_of(const threads::EventRecord& record) {
-  const bool by_value = record.event == Event::kStateChanged;
+  const bool is_of_can = record.event >= Event::kCanBusOff && record.event <= Event::kCanKernelLost;
+  const bool by_value = record.event == Event::kStateChanged || is_of_can;
   return "event " + std::to_string(static_cast<int>(record.event)) + (by_value ? " " + std::to_string(record.value) : "");
 }
 
@@ -250,6 +292,14 @@ std::string sentence(const threads::EventRecord& record) {
     case Event::kLidarSilent: return "the LiDAR has fallen silent";
     case Event::kImuHeard: return "the inertial sensor is heard";
     case Event::kImuSilent: return "the inertial sensor has fallen silent";
+    case Event::kWheelsHeard: return "the wheels are heard";
+    case Event::kWheelsSilent: return "the wheels have fallen silent";
+    case Event::kCanBusOff: return interface_of(record) + ": bus off; nothing comes until it is restarted (ip link set type can restart-ms)";
+    case Event::kCanRestarted: return interface_of(record) + ": restarted, on the bus again";
+    case Event::kCanWarning: return interface_of(record) + ": many errors on the bus (warning level)";
+    case Event::kCanPassive: return interface_of(record) + ": so many errors on the bus that the controller is error passive";
+    case Event::kCanControllerLost: return interface_of(record) + ": the controller has lost frames, for its buffer was full";
+    case Event::kCanKernelLost: return interface_of(record) + ": the kernel has lost frames, for the receive buffer was full";
     case Event::kSerialLost: return "the serial port is gone; it is tried again twice a second";
     case Event::kSerialOpen: return "the serial port is open";
     case Event::kSerialRefused:

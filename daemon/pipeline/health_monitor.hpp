@@ -28,18 +28,21 @@ class HealthMonitor {
   bus::SensorHealth lidar(const Pipeline& pipeline, Stamp now);
   bus::SensorHealth imu(const Pipeline& pipeline, Stamp now);
   bus::SensorHealth gnss(const Pipeline& pipeline, Stamp now);
+  bus::SensorHealth wheels(const Pipeline& pipeline, Stamp now);
   void add_causes(const Pipeline& pipeline, Stamp now, bus::Health& health) const;
   template <typename Say>
   void add_odometry_causes(const Pipeline& pipeline, Stamp now, Say&& say) const;
 
   std::string lidar_name_;
   bool imu_enabled_;
+  bool wheels_enabled_;
   bool shared_clock_;
   bool gnss_enabled_;
   Stamp started_;
   Rate scans_;
   Rate samples_;
   Rate fixes_;
+  Rate wheel_samples_;
 };
 
 /// Says what a satellite receiver lacks; empty: it has a fix.

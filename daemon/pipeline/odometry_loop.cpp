@@ -47,6 +47,8 @@ void OdometryLoop::process(JobPool::Handle job) {
   counts_.recoveries += result.swarm.recovery ? 1 : 0;
   counts_.swarm_won += result.swarm.swarm_won ? 1 : 0;
   counts_.map_recycled = odometry.map().recycled();
+  counts_.wheels_used = odometry.wheels().counts().used;
+  counts_.wheels_slipped = odometry.wheels().counts().slipped;
   counts_.map_cells = static_cast<std::uint32_t>(odometry.map().cells());
   counts_.particles = result.swarm.particles;
   counts_.state = result.state;

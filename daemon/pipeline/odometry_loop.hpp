@@ -15,6 +15,8 @@ struct OdometryCounts {
   std::uint64_t recoveries = 0;     // recovery swarms
   std::uint64_t swarm_won = 0;
   std::uint64_t map_recycled = 0;   // cells
+  std::uint64_t wheels_used = 0;    // samples of the wheels
+  std::uint64_t wheels_slipped = 0;
   std::uint32_t map_cells = 0;
   std::uint32_t particles = 0;      // of the last scan
   odometry::State state = odometry::State::kStarting;

@@ -86,6 +86,15 @@ void Pipeline::stop() {
   gnss_thread_.reset();
 }
 
+stages::NamedCounts Pipeline::wheels() const {
+  stages::NamedCounts counts = receive_.wheels();
+  if (!counts.empty()) {
+    counts.emplace_back("used", odometry_.counts().wheels_used);
+    counts.emplace_back("slipped", odometry_.counts().wheels_slipped);
+  }
+  return counts;
+}
+
 bool Pipeline::is_fifo() const {
   bool all = !threads_.empty();
   for (const auto& thread : threads_) {
@@ -106,6 +115,7 @@ std::vector<MemoryItem> memory_plan(const Configuration& configuration) {
       {"packet blocks", blocks_of(configuration), sizeof(sensor::PointBlock)},
       {"scan jobs", Rings::kJobs, job_bytes},
       {"inertial samples in rings", 2 * kImuRing, sizeof(ImuArrival)},
+      {"wheel samples in rings", Rings::kWheelSamples, sizeof(sensor::WheelSample)},
       {"scan poses on their way", Rings::kScanPoses, sizeof(ScanPose)},
       {"map cells being copied", Rings::kMapCells, sizeof(map::PointCell)},
       {"inertial samples kept", 3 * 2 * sensor::ImuBufferConfig{}.capacity, sizeof(sensor::ImuSample)},

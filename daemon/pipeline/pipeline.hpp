@@ -20,9 +20,9 @@ namespace slamd::pipeline {
 
 /// The daemon's real-time threads and all that passes between them, on one page.
 ///
-///   sockets, tty ─▶ receive ──blocks──▶ preprocess ──jobs──▶ odometry ──jobs──▶ publish ─▶ LCM
-///                      │  └──inertial──────▲   ▲───feedback───┘                   ▲
-///                      └──inertial────────────────────────────────────────────────┘
+///   sockets, ─▶ receive ──blocks────────────▶ preprocess ──jobs──▶ odometry ──jobs──▶ publish ─▶ LCM
+///   tty, CAN        │  └──inertial, wheels──────▲   ▲───feedback───┘                   ▲
+///                   └──inertial─────────────────────────────────────────────────────────┘
 ///
 /// A serial port is opened, set and given up by a thread of its own, which may block; receive reads from it meanwhile. A
 /// satellite receiver's port has one to itself; its fixes go to housekeeping alone, by Latest.
@@ -62,6 +62,18 @@ class Pipeline {
 
   /// Tells whose data are taken; see ReceiveLoop. Housekeeping only.
   void set_device(std::uint32_t address) { receive_.set_device(address); }
+
+  /// Looks after the CAN interfaces: calls say(interface, what it is found to be, in words) where that is news.
+  /// Housekeeping only, ten times a second or so.
+  template <typename Say>
+  void attend_can(Say&& say) {
+    if (CanInput* can = receive_.can(); can != nullptr) {
+      can->attend(say);
+    }
+  }
+
+  /// For after the end: what has come of the wheels, by what became of it; empty without them.
+  stages::NamedCounts wheels() const;
 
   /// Sets where odom lies in map. Housekeeping only.
   void place(const MapPlacement& placement) { publish_.place(placement); }

@@ -33,6 +33,7 @@ void PreprocessLoop::run_once(Duration longest) {
     stage_.add_feedback(*feedback);
   }
   follow_epoch();
+  take_wheels();
   take_imu();
   release(clock_.now());
   take_blocks();
@@ -52,6 +53,12 @@ void PreprocessLoop::follow_epoch() {
 void PreprocessLoop::take_imu() {
   while (const auto arrival = rings_.imu_to_preprocess.try_pop()) {
     stage_.add_imu(arrival->sample);
+  }
+}
+
+void PreprocessLoop::take_wheels() {
+  while (const auto sample = rings_.wheels_to_preprocess.try_pop()) {
+    stage_.add_wheel(*sample);
   }
 }
 

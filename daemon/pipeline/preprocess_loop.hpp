@@ -45,6 +45,7 @@ class PreprocessLoop {
  private:
   void follow_epoch();
   void take_imu();
+  void take_wheels();
   void take_blocks();
   void release(Stamp now);
   void process(const sensor::Scan& scan, Stamp received, Stamp now);

@@ -12,7 +12,6 @@ namespace slamd::pipeline {
 using configuration::Configuration;
 using configuration::ConfigurationError;
 using configuration::LidarModel;
-using configuration::SensorClock;
 using threads::Event;
 using transport::Datagram;
 using transport::UdpReceiver;
@@ -38,12 +37,6 @@ std::uint16_t second_port(const Configuration& configuration) {
   return port == data_port(configuration) ? std::uint16_t{0} : static_cast<std::uint16_t>(port);
 }
 
-sensor::ClockConfig imu_clock_config(const Configuration& configuration) {
-  sensor::ClockConfig config;
-  config.kind = configuration.imu.clock == SensorClock::kShared ? sensor::ClockKind::kShared : sensor::ClockKind::kEstimated;
-  return config;
-}
-
 std::unique_ptr<UdpReceiver> receiver(const Configuration& configuration, std::uint16_t port, const transport::HostClock& clock) {
   transport::UdpReceiverConfig config;
   config.bind_address = configuration.lidar.bind_address;
@@ -55,7 +48,7 @@ std::unique_ptr<UdpReceiver> receiver(const Configuration& configuration, std::u
 }  // namespace
 
 ReceiveLoop::ReceiveLoop(const Configuration& configuration, const transport::HostClock& clock, Rings& rings)
-    : clock_(clock), rings_(rings), packets_(configuration), imu_stream_(configuration.imu.protocol), imu_clock_(imu_clock_config(configuration)) {
+    : clock_(clock), rings_(rings), packets_(configuration), imu_stream_(configuration.imu.protocol), imu_clock_(stages::imu_clock(configuration.imu)) {
   if (configuration.lidar.model == LidarModel::kPoints) {
     throw ConfigurationError("lidar.model = \"points\": a folder of clouds is for slamd-replay; slamd listens to sensors");
   }
@@ -72,9 +65,25 @@ ReceiveLoop::ReceiveLoop(const Configuration& configuration, const transport::Ho
   if (configuration.imu.enabled) {
     open_imu(configuration, clock);
   }
+  open_can(configuration, clock);
 }
 
 ReceiveLoop::~ReceiveLoop() { close(epoll_); }
+
+void ReceiveLoop::open_can(const Configuration& configuration, const transport::HostClock& clock) {
+  const configuration::WheelConfiguration& wheel = configuration.wheel;
+  const bool has_wheels = wheel.use && !wheel.source.empty();
+  if (has_wheels && wheel.source != "can") {
+    throw ConfigurationError("wheel.source = \"" + wheel.source + "\": a file is for slamd-replay; slamd takes can (or none: wheel.use = false)");
+  }
+  if (!has_wheels && !(configuration.imu.enabled && configuration.imu.source == "can")) {
+    return;
+  }
+  can_ = std::make_unique<CanInput>(configuration, clock);
+  for (std::size_t bus = 0; bus < can_->size(); ++bus) {
+    watch(can_->socket(bus).fd(), bus == 0 ? kCan : kSecondCan);
+  }
+}
 
 void ReceiveLoop::open_imu(const Configuration& configuration, const transport::HostClock& clock) {
   const std::string& source = configuration.imu.source;
@@ -90,8 +99,8 @@ void ReceiveLoop::open_imu(const Configuration& configuration, const transport::
     serial_ = std::make_unique<SerialLine>(configuration.imu.device);
     mends_silence_ = configuration.imu.baud == 0 || configuration.imu.rate_hz != 0;
     watch(serial_->handed_fd(), kSerial);
-  } else {
-    throw ConfigurationError("imu.source = \"" + source + "\": a file is for slamd-replay; slamd takes livox, udp or serial");
+  } else if (source != "can") {
+    throw ConfigurationError("imu.source = \"" + source + "\": a file is for slamd-replay; slamd takes livox, udp, serial or can");
   }
 }
 
@@ -105,7 +114,7 @@ void ReceiveLoop::watch(int fd, Source source) {
 }
 
 void ReceiveLoop::run_once(Duration longest) {
-  std::array<epoll_event, 4> events{};
+  std::array<epoll_event, 6> events{};
   const auto timeout_ms = static_cast<int>(std::chrono::duration_cast<std::chrono::milliseconds>(longest).count());
   const int ready = epoll_wait(epoll_, events.data(), static_cast<int>(events.size()), timeout_ms);
   for (int i = 0; i < ready; ++i) {
@@ -113,6 +122,8 @@ void ReceiveLoop::run_once(Duration longest) {
       case kLidar: receive_lidar(*lidar_); break;
       case kSecond: receive_lidar(*second_); break;
       case kSerial: take_serial(); break;
+      case kCan: receive_can(0); break;
+      case kSecondCan: receive_can(1); break;
       default: receive_imu(); break;
     }
   }
@@ -186,6 +197,18 @@ void ReceiveLoop::receive_imu() {
   });
 }
 
+void ReceiveLoop::receive_can(std::size_t bus) {
+  can_->receive(bus, [&](const sensor::ImuReading& reading) { take_reading(reading); },
+                [&](const sensor::WheelSample& sample) { take_wheels(sample); });
+}
+
+void ReceiveLoop::take_wheels(const sensor::WheelSample& sample) {
+  ++counts_.wheels.received;
+  counts_.wheels.last = sample.stamp;
+  counts_.samples_dropped += rings_.wheels_to_preprocess.try_push(sample) ? 0 : 1;
+  rings_.wake_preprocess.notify();
+}
+
 void ReceiveLoop::take_serial() {
   if (!serial_->take() || has_serial_) {
     return;
@@ -249,6 +272,7 @@ void ReceiveLoop::show(Stamp now) {
   }
   note_silence(counts_.lidar, lidar_heard_, Event::kLidarHeard, Event::kLidarSilent, now);
   note_silence(counts_.imu, imu_heard_, Event::kImuHeard, Event::kImuSilent, now);
+  note_silence(counts_.wheels, wheels_heard_, Event::kWheelsHeard, Event::kWheelsSilent, now);
   if (const std::uint32_t device = device_address_.load(std::memory_order_relaxed); device != 0) {
     pin(device);
   } else if (counts_.lidar.last != Stamp{} && now - counts_.lidar.last > kForgetSource) {
@@ -267,10 +291,20 @@ void ReceiveLoop::show(Stamp now) {
   counts_.lidar.clock_steps = clock.steps;
   counts_.lidar.clock_skew = clock.skew;
   counts_.lidar.clock_residual = clock.residual_mean;
-  const sensor::ClockHealth& imu_clock = takes_livox_imu_ ? clock : imu_clock_.health();
-  counts_.imu.clock_steps = imu_clock.steps;
-  counts_.imu.clock_skew = imu_clock.skew;
-  counts_.imu.clock_residual = imu_clock.residual_mean;
+  show_imu();
+  counts_.gnss = packets_.gnss_stage().state();
+  if (can_) {
+    show_wheels();
+    can_->tell(now, events_);
+  }
+  shown_.store(counts_);
+}
+
+void ReceiveLoop::show_imu() {
+  const sensor::ClockHealth& clock = takes_livox_imu_ ? packets_.clock() : imu_clock_.health();
+  counts_.imu.clock_steps = clock.steps;
+  counts_.imu.clock_skew = clock.skew;
+  counts_.imu.clock_residual = clock.residual_mean;
   counts_.imu.dropped = 0;
   if (imu_udp_) {
     const transport::UdpCounters imu_udp = imu_udp_->counters();
@@ -281,13 +315,19 @@ void ReceiveLoop::show(Stamp now) {
   for (std::size_t i = 1; i < imu::kRowResults; ++i) {
     counts_.imu.dropped += rows.rows[i];
   }
-  const imu::StreamSummary stream = imu_stream_.summary();
+  if (can_) {
+    counts_.imu.kernel_lost = can_->imu_lost();
+  }
+  const imu::StreamSummary stream = can_ && can_->stage().takes_imu() ? can_->stage().imu_summary() : imu_stream_.summary();
   counts_.imu.dropped += stream.refused;
   counts_.imu.missing = stream.missing;
   counts_.samples_clipped = stream.clipped;
   counts_.imu_units = imu_units_.units();
-  counts_.gnss = packets_.gnss_stage().state();
-  shown_.store(counts_);
+}
+
+void ReceiveLoop::show_wheels() {
+  counts_.wheels.dropped = can_->stage().wheels_refused();
+  counts_.wheels.kernel_lost = can_->wheels_lost();
 }
 
 stages::NamedCounts ReceiveLoop::packets() const {
@@ -324,10 +364,15 @@ stages::NamedCounts ReceiveLoop::inertial() const {
     }
   } else if (serial_) {
     imu_stream_.each_count(add);
+  } else if (can_ && can_->stage().takes_imu()) {
+    return can_->stage().inertial();
   }
   return counts;
 }
 
-std::string ReceiveLoop::buffer_remark() const { return lidar_->buffer_remark(); }
+std::string ReceiveLoop::buffer_remark() const {
+  const std::string remark = lidar_->buffer_remark();
+  return remark.empty() && can_ ? can_->buffer_remark() : remark;
+}
 
 }  // namespace slamd::pipeline

@@ -11,6 +11,7 @@
 #include "core/base/latest.hpp"
 #include "core/sensor/clock_model.hpp"
 #include "daemon/configuration/configuration.hpp"
+#include "daemon/pipeline/can_input.hpp"
 #include "daemon/pipeline/rings.hpp"
 #include "daemon/pipeline/serial_line.hpp"
 #include "daemon/stages/packet_stage.hpp"
@@ -39,6 +40,7 @@ struct SensorCounts {
 struct ReceiveCounts {
   SensorCounts lidar;
   SensorCounts imu;
+  SensorCounts wheels;
   std::uint64_t positions = 0;         // good position packets
   std::uint64_t blocks_dropped = 0;    // no free block
   std::uint64_t samples_dropped = 0;   // a ring to a late thread was full
@@ -47,10 +49,10 @@ struct ReceiveCounts {
   imu::Units imu_units = imu::Units::kUnknown;
 };
 
-/// The receive thread: datagrams and serial bytes to blocks and inertial samples on the time base.
+/// The receive thread: datagrams, serial bytes and CAN frames to blocks and samples on the time base.
 /// Threads: run_once() by one; counts() by any.
 /// Real-time: allocates in the constructor only; never blocks but in epoll. A serial port is opened and closed
-/// by a SerialLoop, for that may block; see serial_line().
+/// by a SerialLoop, and CAN interfaces are looked after by housekeeping, for that may block; see serial_line(), can().
 class ReceiveLoop {
  public:
   /// A sensor that is silent for longer than this is said to be.
@@ -74,6 +76,10 @@ class ReceiveLoop {
   /// The inertial sensor's port, which a SerialLoop must serve; nullptr without one.
   SerialLine* serial_line() { return serial_.get(); }
 
+  /// The CAN buses, which housekeeping must attend; nullptr without one.
+  CanInput* can() { return can_.get(); }
+  const CanInput* can() const { return can_.get(); }
+
   ReceiveCounts counts() const { return shown_.load().value_or(ReceiveCounts{}); }
   threads::EventRing& events() { return events_; }
   const threads::StageMonitor& monitor() const { return monitor_; }
@@ -82,24 +88,31 @@ class ReceiveLoop {
   stages::NamedCounts packets() const;
   std::vector<std::string> remarks() const { return packets_.remarks(); }
 
-  /// Likewise: what a port of its own has brought of the inertial sensor, by what became of it; empty without one.
+  /// Likewise: what a port or a bus of its own has brought of the inertial sensor, by what became of it; empty without one.
   stages::NamedCounts inertial() const;
 
   /// Likewise: what position packets have brought of a satellite receiver; empty where that is not configured.
   stages::NamedCounts gnss() const { return packets_.gnss_counts(); }
 
+  /// Likewise, of the wheels, and of all CAN frames; empty without them.
+  stages::NamedCounts wheels() const { return can_ ? can_->stage().wheels() : stages::NamedCounts{}; }
+  stages::NamedCounts can_frames() const { return can_ ? can_->named_counts() : stages::NamedCounts{}; }
+
   /// Says in words what is wrong with the receive buffers; empty: nothing.
   std::string buffer_remark() const;
 
  private:
-  enum Source : std::uint32_t { kLidar, kSecond, kImu, kSerial };
+  enum Source : std::uint32_t { kLidar, kSecond, kImu, kSerial, kCan, kSecondCan };
 
+  void open_can(const configuration::Configuration& configuration, const transport::HostClock& clock);
   void open_imu(const configuration::Configuration& configuration, const transport::HostClock& clock);
   void watch(int fd, Source source);
   void receive_lidar(transport::UdpReceiver& receiver);
   void pin(std::uint32_t source_address);
   void take_packet(const transport::Datagram& datagram, transport::UdpReceiver& receiver);
   void receive_imu();
+  void receive_can(std::size_t bus);
+  void take_wheels(const sensor::WheelSample& sample);
   void take_serial();
   void read_serial();
   void read_serial(std::span<const std::byte> bytes);
@@ -107,6 +120,8 @@ class ReceiveLoop {
   void take_reading(const sensor::ImuReading& reading);
   void hand_on(const ImuArrival& arrival);
   void show(Stamp now);
+  void show_imu();
+  void show_wheels();
   void note_silence(SensorCounts& counts, bool& heard, threads::Event event_heard, threads::Event event_silent, Stamp now);
 
   transport::HostClock clock_;
@@ -116,6 +131,7 @@ class ReceiveLoop {
   std::unique_ptr<transport::UdpReceiver> second_;  // where it has a port of its own
   std::unique_ptr<transport::UdpReceiver> imu_udp_;
   std::unique_ptr<SerialLine> serial_;
+  std::unique_ptr<CanInput> can_;
   imu::CsvRows imu_rows_;      // of "udp"
   imu::ImuStream imu_stream_;  // of "serial"
   imu::UnitWatch imu_units_;
@@ -124,6 +140,7 @@ class ReceiveLoop {
   bool takes_livox_imu_ = false;
   bool lidar_heard_ = false;
   bool imu_heard_ = false;
+  bool wheels_heard_ = false;
   bool has_serial_ = false;  // this thread has the port
   bool mends_silence_ = false;
   Stamp serial_since_{};

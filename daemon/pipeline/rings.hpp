@@ -8,6 +8,7 @@
 #include "core/map/point_cell.hpp"
 #include "core/sensor/imu_sample.hpp"
 #include "core/sensor/point_block.hpp"
+#include "core/sensor/wheel_sample.hpp"
 #include "daemon/stages/odometry_stage.hpp"
 #include "daemon/stages/pose_stage.hpp"
 #include "daemon/stages/preprocess_stage.hpp"
@@ -52,6 +53,7 @@ struct Rings {
         blocks(block_count),
         imu_to_preprocess(imu_samples),
         imu_to_publish(imu_samples),
+        wheels_to_preprocess(kWheelSamples),
         to_odometry(kJobs),
         to_publish(kJobs),
         feedback(2 * kJobs),
@@ -61,6 +63,8 @@ struct Rings {
   /// One in each of preprocess, odometry and publish, and one on its way.
   static constexpr std::size_t kJobs = 4;
 
+  /// A second and more of 200 Hz.
+  static constexpr std::size_t kWheelSamples = 256;
   /// Half a minute of scans.
   static constexpr std::size_t kScanPoses = 300;
   /// What the odometry copies of its map between two looks of housekeeping.
@@ -73,6 +77,7 @@ struct Rings {
   SpscQueue<BlockPool::Handle> blocks;           // receive    → preprocess
   SpscQueue<ImuArrival> imu_to_preprocess;       // receive    → preprocess
   SpscQueue<ImuArrival> imu_to_publish;          // receive    → publish
+  SpscQueue<sensor::WheelSample> wheels_to_preprocess;  // receive → preprocess
   SpscQueue<JobPool::Handle> to_odometry;        // preprocess → odometry
   SpscQueue<JobPool::Handle> to_publish;         // odometry   → publish
   SpscQueue<stages::Feedback> feedback;          // odometry   → preprocess

@@ -99,6 +99,9 @@ class Housekeeping {
     pipeline_.read_events([&](const char* thread, const threads::EventRecord& record) {
       say(pipeline::cause_of(record), std::string(thread) + ": " + pipeline::sentence(record), now);
     });
+    pipeline_.attend_can([&](const std::string& interface, const char* words) {
+      say(interface + words, interface + ": " + words, now);
+    });
     if (device_) {
       device_->run_once(now, pipeline_.receive().counts().lidar.last,
                         [&](const std::string& cause, const std::string& sentence) { say(cause, sentence, now); });
@@ -270,12 +273,15 @@ int serve(const Configuration& configuration) {
   housekeeping.run_once();
   housekeeping.finish();
   log_counts("packets", pipeline.receive().packets());
-  if (const stages::NamedCounts inertial = pipeline.receive().inertial(); !inertial.empty()) {
-    log_counts("inertial", inertial);
-  }
-  if (const stages::NamedCounts gnss = pipeline.gnss_counts(); !gnss.empty()) {
-    log_counts("gnss", gnss);
-  }
+  const auto log_if_any = [](const char* what, const stages::NamedCounts& counts) {
+    if (!counts.empty()) {
+      log_counts(what, counts);
+    }
+  };
+  log_if_any("inertial", pipeline.receive().inertial());
+  log_if_any("gnss", pipeline.gnss_counts());
+  log_if_any("wheels", pipeline.wheels());
+  log_if_any("can", pipeline.receive().can_frames());
   log_counts("blocks", stages::named_counts(pipeline.preprocess().assembler_counts()));
   for (const std::string& remark : pipeline.receive().remarks()) {
     spdlog::info("{}", remark);
@@ -289,6 +295,11 @@ int check(const Configuration& configuration) {
     const pipeline::Pipeline pipeline(configuration, clock);
     const std::unique_ptr<devices::LivoxDevice> device = device_of(configuration);
     std::printf("sockets    bound\nbus        %s, channels %s_*\n", configuration.lcm.url.c_str(), configuration.lcm.prefix.c_str());
+    if (const pipeline::CanInput* can = pipeline.receive().can(); can != nullptr) {
+      for (std::size_t i = 0; i < can->size(); ++i) {
+        std::printf("can        %s %s\n", can->socket(i).interface().c_str(), in_words(can->socket(i).link()));
+      }
+    }
     if (const std::string remark = pipeline.receive().buffer_remark(); !remark.empty()) {
       std::printf("buffers    %s\n", remark.c_str());
     }

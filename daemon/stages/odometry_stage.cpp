@@ -2,12 +2,25 @@
 
 namespace slamd::stages {
 
+namespace {
+
+/// Ten seconds at 100 Hz.
+constexpr std::size_t kMaxWheels = 1024;
+
+}  // namespace
+
 OdometryStage::OdometryStage(const odometry::OdometryConfig& config)
-    : imu_(sensor::ImuBufferConfig{}), odometry_(config) {}
+    : imu_(sensor::ImuBufferConfig{}), wheels_(kMaxWheels), odometry_(config) {}
 
 void OdometryStage::take(const PreprocessedScan& scan) {
   for (const sensor::ImuSample& sample : scan.imu) {
     imu_.push(sample);
+  }
+  if (wheels_.size() + scan.wheels.size() > wheels_.capacity()) {
+    wheels_.clear();
+  }
+  for (const sensor::WheelSample& sample : scan.wheels) {
+    wheels_.push_back(sample);
   }
   if (scan.start) {
     odometry_.start(*scan.start);
@@ -19,7 +32,8 @@ void OdometryStage::take(const PreprocessedScan& scan) {
 odometry::OdometryResult OdometryStage::process(const PreprocessedScan& scan) {
   take(scan);
   const auto samples = bracket(imu_.samples(), odometry_.state().stamp, scan.deskewed.end);
-  const odometry::OdometryResult result = odometry_.process(scan.deskewed, samples, scan.wheels.view());
+  const odometry::OdometryResult result = odometry_.process(scan.deskewed, samples, wheels_.view());
+  wheels_.clear();
   imu_.drop_before(odometry_.state().stamp);
   sequence_ = scan.sequence;
   return result;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/base/bounded_vector.hpp"
 #include "core/odometry/odometry.hpp"
 #include "core/sensor/imu_buffer.hpp"
 #include "daemon/stages/preprocess_stage.hpp"
@@ -15,7 +16,7 @@ class OdometryStage {
   /// Processes a scan.
   odometry::OdometryResult process(const PreprocessedScan& scan);
 
-  /// Lets a scan pass that came too late, but for the inertial samples and the start that it carries.
+  /// Lets a scan pass that came too late, but for the samples and the start that it carries.
   void skip(const PreprocessedScan& scan) { take(scan); }
 
   /// Returns what the preprocess stage needs to know of the last scan processed.
@@ -27,6 +28,7 @@ class OdometryStage {
   void take(const PreprocessedScan& scan);
 
   sensor::ImuBuffer imu_;
+  BoundedVector<sensor::WheelSample> wheels_;  // since the last scan processed; full: the oldest are forgotten
   odometry::Odometry odometry_;
   std::uint64_t sequence_ = 0;
 };

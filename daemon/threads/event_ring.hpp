@@ -14,6 +14,14 @@ enum class Event : std::uint8_t {
   kLidarSilent,
   kImuHeard,
   kImuSilent,
+  kWheelsHeard,
+  kWheelsSilent,
+  kCanBusOff,           // value: the kernel's number of the interface, as of all of CAN
+  kCanRestarted,
+  kCanWarning,
+  kCanPassive,
+  kCanControllerLost,
+  kCanKernelLost,
   kSerialLost,
   kSerialOpen,
   kSerialRefused,       // value: errno of what failed

@@ -1,5 +1,6 @@
 #include "drivers/can/aceinna_imu.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "core/base/bytes.hpp"
@@ -48,6 +49,37 @@ std::optional<Eigen::Vector3d> three_packed(std::span<const std::byte> data, dou
 }
 
 }  // namespace
+
+std::optional<AxisMap> parse_axis_map(std::string_view text) {
+  AxisMap map;
+  std::array<bool, 3> seen{};
+  for (std::uint8_t place = 0; place < 3; ++place) {
+    const std::string_view word = text.substr(0, text.find(','));
+    const bool is_turned = word.starts_with('-');
+    const std::string_view name = word.substr(is_turned ? 1 : 0);
+    if (name.size() != 1 || name[0] < 'x' || name[0] > 'z') {
+      return std::nullopt;
+    }
+    const auto axis = static_cast<std::size_t>(name[0] - 'x');
+    if (seen[axis] || (text.size() == word.size()) != (place == 2)) {
+      return std::nullopt;
+    }
+    seen[axis] = true;
+    map.wire[axis] = place;
+    map.sign[axis] = is_turned ? -1.0 : 1.0;
+    text.remove_prefix(std::min(text.size(), word.size() + 1));
+  }
+  return map;
+}
+
+std::vector<transport::CanFilter> AceinnaReader::frames(std::optional<std::uint8_t> source) {
+  std::vector<transport::CanFilter> filters;
+  for (const std::uint32_t group : {kRate, kForce, kRateHighResolution, kForceHighResolution}) {
+    // Whatever the priority; without a source, whatever that.
+    filters.push_back({group << 8 | source.value_or(0), source ? 0x03FF'FFFFU : 0x03FF'FF00U, true});
+  }
+  return filters;
+}
 
 bool AceinnaReader::take(const CanFrame& frame, sensor::ImuReading& reading) {
   const std::uint32_t group = group_of(frame);

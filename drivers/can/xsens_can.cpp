@@ -21,10 +21,11 @@ struct Layout {
   std::uint32_t id;
   Quantity quantity;
   std::size_t bytes;
+  bool is_high_resolution = false;
 };
 
-constexpr Layout kLayouts[] = {{0x005, kTime, 4},  {0x006, kCounter, 2}, {0x011, kStatus, 4}, {0x032, kRate, 6},
-                               {0x034, kForce, 6}, {0x061, kRate, 6},    {0x062, kForce, 6}};
+constexpr Layout kLayouts[] = {{0x005, kTime, 4},  {0x006, kCounter, 2},    {0x011, kStatus, 4},    {0x032, kRate, 6},
+                               {0x034, kForce, 6}, {0x061, kRate, 6, true}, {0x062, kForce, 6, true}};
 
 const Layout* layout_of(const CanFrame& frame) {
   for (const Layout& layout : kLayouts) {
@@ -41,6 +42,14 @@ Eigen::Vector3d vector_at(std::span<const std::byte> data, double unit) {
 
 }  // namespace
 
+std::vector<transport::CanFilter> XsensCanReader::frames() {
+  std::vector<transport::CanFilter> filters;
+  for (const Layout& layout : kLayouts) {
+    filters.push_back({.id = layout.id});
+  }
+  return filters;
+}
+
 bool XsensCanReader::take(const CanFrame& frame, sensor::ImuReading& reading) {
   const Layout* layout = layout_of(frame);
   if (layout == nullptr) {
@@ -51,7 +60,15 @@ bool XsensCanReader::take(const CanFrame& frame, sensor::ImuReading& reading) {
     count(InertialResult::kMalformed);
     return false;
   }
-  if ((group_.seen & layout->quantity) != 0) {
+  if (layout->is_high_resolution) {
+    high_resolution_ |= layout->quantity;
+  } else if ((high_resolution_ & layout->quantity) != 0) {
+    count(InertialResult::kOther);  // the sensor sends the better one, too
+    return false;
+  }
+  // The time comes first: what was measured before it belongs to another sample.
+  const std::uint32_t ends_group = layout->quantity == kTime ? kTime | kRate | kForce : layout->quantity;
+  if ((group_.seen & ends_group) != 0) {
     begin_group();
   }
   group_.seen |= layout->quantity;

@@ -2,21 +2,27 @@
 
 #include <cstdint>
 #include <optional>
+#include <vector>
 
 #include "core/sensor/imu_reading.hpp"
-#include "drivers/can/can_frame.hpp"
+#include "drivers/transport/can_frame.hpp"
 #include "drivers/imu/inertial_result.hpp"
 
 namespace slamd::can {
 
+using transport::CanFrame;
+
 /// Decodes the frames of an Xsens MTi-600 (11-bit ids as delivered, big-endian) into inertial samples.
 ///
-/// A sample comes as a group of frames, one quantity each: it is complete with SampleTime, RateOfTurn and Acceleration,
-/// and given up when one of its ids comes again before. Its time is SampleTime, 0.1 ms ticks, carried on over the wrap;
-/// gaps of GroupCounter are counted.
+/// A sample comes as a group of frames, one quantity each, SampleTime before what was measured: it is complete with
+/// SampleTime, RateOfTurn and Acceleration, and given up when one of its ids, or the next time, comes before. Its time is SampleTime, 0.1 ms ticks, carried on over the wrap;
+/// gaps of GroupCounter are counted. Of a quantity that also comes in high resolution (HR) only that is taken.
 /// Source: imu-can.md §A. Real-time: never allocates; O(1); one thread.
 class XsensCanReader {
  public:
+  /// Returns which frames samples are made of, for the kernel.
+  static std::vector<transport::CanFilter> frames();
+
   /// Takes a frame. Returns true when it completes a good sample, which is then in `reading`.
   bool take(const CanFrame& frame, sensor::ImuReading& reading);
 
@@ -39,6 +45,7 @@ class XsensCanReader {
   bool finish(Stamp received, sensor::ImuReading& reading);
 
   Group group_;
+  std::uint32_t high_resolution_ = 0;  // quantities that have come so
   std::optional<std::uint32_t> last_ticks_;
   std::optional<std::uint16_t> last_counter_;
   std::int64_t ticks_ = 0;  // carried on over the wrap

@@ -19,6 +19,7 @@ ImuStream::ImuStream(Protocol protocol) {
     case Protocol::kCsv: reader_.emplace<CsvRows>(); break;
     case Protocol::kXsens: reader_.emplace<XsensReader>(); break;
     case Protocol::kMip: reader_.emplace<MipReader>(); break;
+    case Protocol::kAceinna: break;  // speaks on CAN only
   }
 }
 

@@ -74,6 +74,7 @@ void LineSetup::take_byte(std::span<const std::byte> byte, Stamp now, LineOutput
     case Protocol::kMip:
       mip_.add(byte, [&](std::span<const std::byte> frame) { take(Mip::parse(frame), now, out); });
       break;
+    case Protocol::kAceinna: break;  // speaks on CAN only
   }
 }
 

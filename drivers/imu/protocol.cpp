@@ -7,6 +7,7 @@ const char* name_of(Protocol protocol) {
     case Protocol::kCsv: return "csv";
     case Protocol::kXsens: return "xsens";
     case Protocol::kMip: return "mip";
+    case Protocol::kAceinna: return "aceinna";
   }
   return "?";
 }

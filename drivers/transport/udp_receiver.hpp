@@ -12,6 +12,7 @@
 #include "core/base/counter.hpp"
 #include "core/base/stamp.hpp"
 #include "drivers/transport/host_clock.hpp"
+#include "drivers/transport/receipts.hpp"
 #include "drivers/transport/transport_error.hpp"
 
 namespace slamd::transport {
@@ -42,7 +43,7 @@ struct UdpCounters {
 
 /// Receives UDP datagrams of one port with the kernel's receive stamps, converted to slamd's time base.
 ///
-/// A stamp never lies before the one of the datagram before, nor in the future, even while the wall clock steps.
+/// Stamps are as Receipts says.
 /// Threads: one thread calls receive(), pin() and unpin(); counters() is for any thread.
 /// Real-time: allocates in the constructor only; never blocks.
 class UdpReceiver {
@@ -88,7 +89,7 @@ class UdpReceiver {
   std::uint16_t port() const { return port_; }
 
   /// The receive buffer that the kernel has granted, in the unit of receive_buffer_bytes.
-  int receive_buffer_bytes() const { return granted_bytes_; }
+  int receive_buffer_bytes() const { return receipts_.granted_bytes(); }
 
   /// Says in words that the receive buffer is smaller than configured, and how to change that; empty when it is not.
   std::string buffer_remark() const;
@@ -102,24 +103,17 @@ class UdpReceiver {
   void open_socket(const UdpReceiverConfig& config);
   std::size_t take_batch();
   bool open(std::size_t index, Datagram& datagram);
-  void note_losses(std::uint32_t kernel_count);
-  void read_losses();
 
-  HostClock clock_;
+  Receipts receipts_;
   int fd_ = -1;
   std::uint16_t port_ = 0;
   int wanted_bytes_ = 0;
-  int granted_bytes_ = 0;
   bool source_is_configured_ = false;
   std::optional<std::uint32_t> source_;
-  Stamp last_received_{};
-  ClockReadings readings_;            // of the batch in hand
-  std::uint32_t kernel_count_ = 0;    // losses as the kernel last told them; wraps
-  std::unique_ptr<Batch> batch_;      // scratch, sized once
-  Counter received_;                  // written by the receiving thread, as are those below
+  std::unique_ptr<Batch> batch_;  // scratch, sized once
+  Counter received_;              // written by the receiving thread, as are those below
   Counter foreign_source_;
   Counter truncated_;
-  Counter kernel_lost_;
 };
 
 /// Reads a dotted IPv4 address into host order; nothing when it is none.

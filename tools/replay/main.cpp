@@ -26,6 +26,7 @@ struct Options {
   std::string to_network;
   std::string imu_to;
   std::string gnss_to;
+  std::string can_to;
   double speed = 1.0;
   bool json = false;
   bool print_configuration = false;
@@ -43,6 +44,7 @@ void declare(CLI::App& app, Options& options) {
   app.add_option("--speed", options.speed, "With --to-network: times real time; 0: as fast as it goes")->needs(to_network);
   app.add_option("--imu-to", options.imu_to, "With --to-network: where the rows of imu.csv go: udp:HOST:PORT, pty:LINKPATH, or as an emulated sensor sends them, xsens:LINKPATH, mip:LINKPATH")->needs(to_network);
   app.add_option("--gnss-to", options.gnss_to, "With --to-network: where the fixes of gnss.csv go, as an emulated receiver sends them: nmea:LINKPATH, ubx:LINKPATH, or both:LINKPATH")->needs(to_network);
+  app.add_option("--can-to", options.can_to, "With --to-network: the CAN interface to which the frames of the recording's candump logs go, such as vcan0")->needs(to_network);
   app.add_flag("--json", options.json, "Print the report as JSON instead of the summary");
   app.add_flag("--print-config", options.print_configuration, "Print the complete configuration and exit");
   app.add_flag_callback(
@@ -75,6 +77,10 @@ int send(const replay::Recording& recording, const Options& options) {
     if (recording.gnss.extension() != ".csv") {
       throw cli::UsageError("--gnss-to " + options.gnss_to + ": the recording has no CSV file of fixes (gnss.source)");
     }
+  }
+  target.can_interface = options.can_to;
+  if (!options.can_to.empty() && recording.imu_can.empty() && recording.wheel_can.empty()) {
+    throw cli::UsageError("--can-to " + options.can_to + ": the recording has no candump log");
   }
   cli::catch_interrupts();
   replay::ask_for_punctuality();

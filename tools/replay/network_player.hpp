@@ -34,6 +34,7 @@ struct ToNetworkOptions {
   // Fixes of a satellite receiver, through a pseudo terminal; empty: they are left out.
   std::filesystem::path gnss_terminal;
   GnssTalk gnss_talk = GnssTalk::kNmea;
+  std::string can_interface;  // where the frames of the recording's candump logs go; empty: nowhere
 };
 
 /// Reads nmea:LINKPATH, ubx:LINKPATH or both:LINKPATH. Errors: cli::UsageError.
@@ -67,6 +68,7 @@ struct ToNetworkReport {
   std::uint64_t imu_packets = 0;  // of a Livox's built-in sensor
   std::uint64_t imu_rows = 0;
   std::uint64_t gnss_fixes = 0;
+  std::uint64_t can_frames = 0;
 
   std::uint64_t foreign = 0;        // packets to other ports, and refused frames: not sent
   std::uint64_t imu_unheard = 0;    // rows that nobody read from the terminal
@@ -74,6 +76,8 @@ struct ToNetworkReport {
   std::uint64_t imu_withheld = 0;   // rows that the emulated sensor did not send: was being configured, or to a lower rate
   std::uint64_t imu_outside = 0;    // rows more than kImuMargin before the first packet or after the last
   std::uint64_t imu_refused = 0;    // bad rows of the file
+  std::uint64_t can_outside = 0;    // as imu_outside
+  std::uint64_t can_refused = 0;    // lines of the logs that are no frames with data
   Duration worst_lateness{};        // of a packet or a row behind its deadline
   Duration mean_lateness{};
   Duration recording{};             // from the first event sent to the last

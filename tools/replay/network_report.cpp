@@ -19,13 +19,16 @@ std::string json_of(const ToNetworkReport& report) {
                   {"position", report.position},
                   {"imu_packets", report.imu_packets},
                   {"imu_rows", report.imu_rows},
-                  {"gnss_fixes", report.gnss_fixes}};
+                  {"gnss_fixes", report.gnss_fixes},
+                  {"can_frames", report.can_frames}};
   json["not_sent"] = {{"foreign", report.foreign},
                       {"imu_unheard", report.imu_unheard},
                       {"gnss_unheard", report.gnss_unheard},
                       {"imu_withheld", report.imu_withheld},
                       {"imu_outside", report.imu_outside},
-                      {"imu_refused", report.imu_refused}};
+                      {"imu_refused", report.imu_refused},
+                      {"can_outside", report.can_outside},
+                      {"can_refused", report.can_refused}};
   json["lateness_ms"] = {{"mean", ms(report.mean_lateness)}, {"worst", ms(report.worst_lateness)}};
   json["recording_s"] = to_seconds(report.recording);
   json["took_s"] = to_seconds(report.took);
@@ -38,12 +41,13 @@ std::string summary_of(const ToNetworkReport& report) {
   char text[512];
   std::snprintf(text,
                 sizeof text,
-                "sent %llu LiDAR, %llu position and %llu inertial packets, and %llu inertial rows: %.1f s of the recording in "
+                "sent %llu LiDAR, %llu position and %llu inertial packets, %llu inertial rows and %llu CAN frames: %.1f s of the recording in "
                 "%.1f s%s\n  late by %.3f ms (mean), %.3f ms (worst)\n",
                 static_cast<unsigned long long>(report.lidar),
                 static_cast<unsigned long long>(report.position),
                 static_cast<unsigned long long>(report.imu_packets),
                 static_cast<unsigned long long>(report.imu_rows),
+                static_cast<unsigned long long>(report.can_frames),
                 to_seconds(report.recording),
                 to_seconds(report.took),
                 report.interrupted ? ", then interrupted" : "",
@@ -64,6 +68,8 @@ std::string summary_of(const ToNetworkReport& report) {
   add(report.imu_withheld, "inertial rows that the emulated sensor was not told to send");
   add(report.imu_outside, "inertial rows from before or after the LiDAR's packets");
   add(report.imu_refused, "bad inertial rows");
+  add(report.can_outside, "CAN frames from before or after the LiDAR's packets");
+  add(report.can_refused, "lines of candump logs that are no frames with data");
   return result;
 }
 

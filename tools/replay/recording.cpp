@@ -39,6 +39,11 @@ fs::path existing(const fs::path& directory, const std::string& source, const ch
   return file;
 }
 
+/// The candump log that takes the place of a live bus.
+fs::path can_log(const fs::path& directory, const std::string& source, const char* key) {
+  return existing(directory, source == "can" ? "can.log" : source, key);
+}
+
 /// The samples that a recording keeps in a file of their own; none where they are built in.
 fs::path imu_file(const fs::path& directory, const configuration::ImuConfiguration& imu) {
   if (!imu.enabled || imu.source == "livox") {
@@ -99,8 +104,14 @@ Recording open_recording(const fs::path& path,
   } else {
     recording.lidar = lidar.model == LidarModel::kPoints ? path : only_capture(path);
   }
-  recording.imu_csv = imu_file(directory, imu);
-  if (const auto& wheel = recording.configuration.wheel; wheel.use && !wheel.source.empty()) {
+  if (imu.enabled && imu.is_on_can()) {
+    recording.imu_can = can_log(directory, imu.source, "imu.source");
+  } else {
+    recording.imu_csv = imu_file(directory, imu);
+  }
+  if (const auto& wheel = recording.configuration.wheel; wheel.use && wheel.is_on_can()) {
+    recording.wheel_can = can_log(directory, wheel.source, "wheel.source");
+  } else if (wheel.use && !wheel.source.empty()) {
     recording.wheel_csv = existing(directory, wheel.source, "wheel.source");
   }
   recording.gnss = gnss_file(directory, recording.configuration.gnss);

@@ -15,6 +15,8 @@ struct Recording {
   std::filesystem::path imu_csv;  // empty: none, or built in
   std::filesystem::path wheel_csv;  // empty: none
   std::filesystem::path gnss;       // CSV or a receiver's bytes; empty: none
+  std::filesystem::path imu_can;    // candump log with the inertial sensor's frames; empty: none
+  std::filesystem::path wheel_can;  // likewise, of the wheels
   std::filesystem::path truth;    // empty: none
   configuration::Configuration configuration;
 };

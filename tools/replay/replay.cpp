@@ -6,6 +6,7 @@
 #include "daemon/stages/waiting_scan.hpp"
 #include "drivers/clouds/point_folder.hpp"
 #include "drivers/recording/pcap_reader.hpp"
+#include "tools/replay/can_log.hpp"
 
 namespace slamd::replay {
 
@@ -25,11 +26,15 @@ double thread_cpu_ms() {
 /// The inertial samples of a recording or a source, one ahead.
 class ImuSource {
  public:
-  explicit ImuSource(const std::filesystem::path& file) {
-    if (!file.empty()) {
-      reader_.emplace(file);
-      advance();
+  ImuSource() = default;
+
+  explicit ImuSource(const Recording& recording) {
+    if (!recording.imu_can.empty()) {
+      can_.emplace(recording.imu_can, recording.configuration);
+    } else if (!recording.imu_csv.empty()) {
+      reader_.emplace(recording.imu_csv);
     }
+    advance();
   }
 
   explicit ImuSource(PacketSource& source) : source_(&source) { advance(); }
@@ -38,13 +43,16 @@ class ImuSource {
 
   void advance() {
     ImuSample sample;
-    const bool more = source_ != nullptr ? source_->next_imu(sample) : reader_ && reader_->next(sample);
+    const bool more = source_ != nullptr ? source_->next_imu(sample) : (can_ ? can_->next(sample) : reader_ && reader_->next(sample));
     next_ = more ? std::optional(sample) : std::nullopt;
     samples_ += more ? 1 : 0;
   }
 
   stages::NamedCounts counts() const {
     stages::NamedCounts counts;
+    if (can_) {
+      return can_->counts();
+    }
     if (reader_) {
       counts.emplace_back("rows", reader_->counters().rows);
       for (std::size_t i = 0; i < recording::kRowRefusals; ++i) {
@@ -61,6 +69,7 @@ class ImuSource {
 
  private:
   std::optional<recording::ImuCsvReader> reader_;
+  std::optional<CanLogImu> can_;
   PacketSource* source_ = nullptr;
   std::uint64_t samples_ = 0;
   std::optional<ImuSample> next_;
@@ -71,11 +80,13 @@ class WheelFeed {
  public:
   WheelFeed() = default;
 
-  explicit WheelFeed(const std::filesystem::path& file) {
-    if (!file.empty()) {
-      reader_.emplace(file);
-      advance();
+  explicit WheelFeed(const Recording& recording) {
+    if (!recording.wheel_can.empty()) {
+      can_.emplace(recording.wheel_can, recording.configuration);
+    } else if (!recording.wheel_csv.empty()) {
+      reader_.emplace(recording.wheel_csv);
     }
+    advance();
   }
 
   explicit WheelFeed(PacketSource& source) : source_(&source) { advance(); }
@@ -84,12 +95,15 @@ class WheelFeed {
 
   void advance() {
     sensor::WheelSample sample;
-    const bool more = source_ != nullptr ? source_->next_wheel(sample) : reader_ && reader_->next(sample);
+    const bool more = source_ != nullptr ? source_->next_wheel(sample) : (can_ ? can_->next(sample) : reader_ && reader_->next(sample));
     next_ = more ? std::optional(sample) : std::nullopt;
     samples_ += more ? 1 : 0;
   }
 
   stages::NamedCounts counts() const {
+    if (can_) {
+      return can_->counts();
+    }
     stages::NamedCounts counts{{"rows", samples_}};
     for (std::size_t i = 0; reader_ && i < recording::kRowRefusals; ++i) {
       if (const auto refused = reader_->counters().refused[i]; refused != 0) {
@@ -101,6 +115,7 @@ class WheelFeed {
 
  private:
   std::optional<recording::WheelCsvReader> reader_;
+  std::optional<CanLogWheels> can_;
   PacketSource* source_ = nullptr;
   std::uint64_t samples_ = 0;
   std::optional<sensor::WheelSample> next_;
@@ -244,8 +259,7 @@ Run replay_packets(const Recording& recording, const Sinks& sinks) {
     return more;
   };
   const auto share = [&] { return read_bytes / file_bytes; };
-  Run run = play_packets(recording.configuration, ImuSource(recording.imu_csv),
-                         WheelFeed(recording.wheel_csv), next, share, sinks);
+  Run run = play_packets(recording.configuration, ImuSource(recording), WheelFeed(recording), next, share, sinks);
   for (std::size_t i = 1; i < recording::kFrameKinds; ++i) {
     const auto kind = static_cast<recording::FrameKind>(i);
     if (reader.counters().of(kind) != 0) {
@@ -261,7 +275,7 @@ Run replay_packets(const Recording& recording, const Sinks& sinks) {
 Run replay_points(const Recording& recording, const Sinks& sinks) {
   const auto& lidar = recording.configuration.lidar;
   clouds::PointFolderReader reader(recording.lidar, {lidar.scans_per_second, lidar.points_have_time});
-  Player player(recording.configuration, ImuSource(recording.imu_csv), WheelFeed(recording.wheel_csv), sinks);
+  Player player(recording.configuration, ImuSource(recording), WheelFeed(recording), sinks);
   Scan scan(recording.configuration.odometry.preprocess.max_points);
   std::optional<Stamp> first;
   Stamp now{};
@@ -307,7 +321,7 @@ Run replay(const Recording& recording, const Sinks& sinks) {
 Run replay(const configuration::Configuration& configuration, PacketSource& source, const Sinks& sinks) {
   const auto begin = std::chrono::steady_clock::now();
   const bool external_imu = configuration.imu.enabled && configuration.imu.source != "livox";
-  Run run = play_packets(configuration, external_imu ? ImuSource(source) : ImuSource(std::filesystem::path()),
+  Run run = play_packets(configuration, external_imu ? ImuSource(source) : ImuSource(),
                          configuration.wheel.use ? WheelFeed(source) : WheelFeed(),
                          [&](Packet& packet) { return source.next(packet); }, [&] { return source.progress(); }, sinks);
   run.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();

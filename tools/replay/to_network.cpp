@@ -2,10 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
+#include <memory>
 #include <optional>
+#include <vector>
 
 #include "drivers/recording/csv_reader.hpp"
 #include "drivers/recording/pcap_reader.hpp"
+#include "tools/replay/can_sender.hpp"
 
 namespace slamd::replay {
 
@@ -87,6 +91,61 @@ class Fixes {
   std::optional<sensor::GnssFix> next_;
 };
 
+/// The frames of a recording's candump logs on their way to a bus.
+class Bus {
+ public:
+  Bus(const Recording& recording, const std::string& interface, SendClock& clock) {
+    if (interface.empty()) {
+      return;
+    }
+    sender_ = std::make_unique<CanSender>(interface);
+    for (const std::filesystem::path& file : {recording.imu_can, recording.wheel_can == recording.imu_can ? "" : recording.wheel_can}) {
+      if (!file.empty()) {
+        logs_.push_back(std::make_unique<CanFrames>(file, *sender_, clock));
+      }
+    }
+  }
+
+  std::optional<Stamp> first() const {
+    std::optional<Stamp> first;
+    for (const auto& log : logs_) {
+      if (log->next() && (!first || log->next()->received < *first)) {
+        first = log->next()->received;
+      }
+    }
+    return first;
+  }
+
+  void send_until(Stamp until, NetworkPlayer& player) {
+    for (const auto& log : logs_) {
+      sent_ += log->send_until(until, player);
+    }
+  }
+
+  std::uint64_t skip_until(Stamp stamp) {
+    std::uint64_t count = 0;
+    for (const auto& log : logs_) {
+      count += log->skip_until(stamp);
+    }
+    return count;
+  }
+
+  std::uint64_t sent() const { return sent_; }
+
+  std::uint64_t refused() const {
+    std::uint64_t sum = 0;
+    for (const auto& log : logs_) {
+      sum += log->counters().other + log->counters().malformed;
+    }
+    return sum;
+  }
+
+ private:
+  std::unique_ptr<CanSender> sender_;
+  std::vector<std::unique_ptr<CanFrames>> logs_;
+  std::uint64_t sent_ = 0;
+};
+
 /// The rate of a recording's inertial file, from its first second.
 int rate_of(const std::filesystem::path& file) {
   recording::ImuCsvReader reader(file);
@@ -121,22 +180,28 @@ ToNetworkReport send_to_network(const Recording& recording,
     options.imu_rate_hz = rate_of(recording.imu_csv);
   }
   NetworkPlayer player(recording.configuration.lidar, options, clock, stopped);
+  Bus bus(recording, options.can_interface, clock);
   Rows rows = player.takes_rows() && !recording.imu_csv.empty() ? Rows(recording.imu_csv) : Rows();
   Fixes fixes = player.takes_fixes() && !recording.gnss.empty() ? Fixes(recording.gnss) : Fixes();
   const double file_bytes = static_cast<double>(std::filesystem::file_size(recording.lidar)) + 1.0;
   double read_bytes = 0.0;
-  std::uint64_t outside = 0;
+  std::uint64_t rows_outside = 0;
+  std::uint64_t frames_outside = 0;
   bool begun = false;
   Packet packet;
   while (!player.interrupted() && reader.next(packet)) {
     if (!begun) {
       player.wait_for_reader();
-      outside += rows.skip_until(packet.received - kImuMargin);
+      rows_outside += rows.skip_until(packet.received - kImuMargin);
       fixes.skip_until(packet.received);
-      player.begin(rows.next() ? std::min(rows.next()->stamp, packet.received) : packet.received);
+      frames_outside += bus.skip_until(packet.received - kImuMargin);
+      const Stamp first_row = rows.next() ? rows.next()->stamp : packet.received;
+      player.begin(std::min({first_row, bus.first().value_or(packet.received), packet.received}));
       begun = true;
     }
-    rows.send_until(std::max(player.now(), packet.received), player);
+    const Stamp until = std::max(player.now(), packet.received);
+    rows.send_until(until, player);
+    bus.send_until(until, player);
     fixes.send_until(player.now(), player);
     player.send(packet);
     read_bytes += static_cast<double>(packet.payload.size() + 58);
@@ -147,9 +212,14 @@ ToNetworkReport send_to_network(const Recording& recording,
   if (!begun) {
     throw recording::RecordingError(recording.lidar, "holds no packet");
   }
-  rows.send_until(player.now() + kImuMargin, player);
+  const Stamp end = player.now() + kImuMargin;
+  rows.send_until(end, player);
+  bus.send_until(end, player);
   ToNetworkReport report = player.finish();
-  report.imu_outside = outside + (report.interrupted ? 0 : rows.skip_until(Stamp::max()));
+  report.imu_outside = rows_outside + (report.interrupted ? 0 : rows.skip_until(Stamp::max()));
+  report.can_frames = bus.sent();
+  report.can_outside = frames_outside + (report.interrupted ? 0 : bus.skip_until(Stamp::max()));
+  report.can_refused = bus.refused();
   for (std::size_t i = 1; i < recording::kFrameKinds; ++i) {
     report.foreign += reader.counters().of(static_cast<recording::FrameKind>(i));
   }

@@ -2,6 +2,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "tools/simulate/can_log.hpp"
+
 namespace slamd::simulate {
 
 using nlohmann::ordered_json;
@@ -79,11 +81,11 @@ double base_height_m(VehicleKind vehicle) { return vehicle == VehicleKind::kHand
 
 std::string recording_toml(const Drive& drive) {
   const Mounting mounting = mounting_of(drive.lidar);
+  const std::string sensors = drive.can ? can_toml(drive) : "\n[wheel]\nsource = \"odom.csv\"\n\n[imu]\nsource = \"imu.csv\"\n";
   return "# Simulated; simulation.json has every parameter.\n[[lidar]]\nmodel = \"" +
          std::string(name_of(drive.lidar)) +
          "\"\nsource = \"lidar.pcap\"\nT_base_lidar = " + transform_toml(mounting.T_base_lidar) +
-         "\n\n[imu]\nsource = \"imu.csv\"\nT_base_imu = " + transform_toml(mounting.T_base_imu) +
-         "\n\n[wheel]\nsource = \"odom.csv\"\n\n[gnss]\nuse = false\nsource = \"gnss.csv\"\nT_base_antenna = " +
+         "\n" + sensors + "T_base_imu = " + transform_toml(mounting.T_base_imu) + "\n\n[gnss]\nuse = false\nsource = \"gnss.csv\"\nT_base_antenna = " +
          transform_toml(mounting.T_base_antenna) + "\n";
 }
 
@@ -125,6 +127,9 @@ std::string parameters_json(const Drive& drive) {
                    {"mixed_pixels", range.mixed_pixels},
                    {"divergence_rad", range.divergence_rad},
                    {"drops_per_m", range.drops_per_m}};
+  if (drive.can) {
+    json["can"] = name_of(*drive.can);
+  }
   json["imu"] = {{"rate_hz", drive.imu_rate_hz},
                  {"gyro_noise_radps_sqrthz", imu.gyro_noise_radps_sqrthz},
                  {"accel_noise_mps2_sqrthz", imu.accel_noise_mps2_sqrthz},

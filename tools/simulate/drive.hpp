@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "drivers/imu/protocol.hpp"
 #include "tools/simulate/beam.hpp"
 #include "tools/simulate/faults.hpp"
 #include "tools/simulate/gnss_sensor.hpp"
@@ -52,6 +53,7 @@ struct Drive {
   InertialErrors imu_errors{.gyro_per_degree_radps = 2e-5};
   WheelErrors wheel_errors = {};
   GnssErrors gnss_errors = {};
+  std::optional<imu::Protocol> can = std::nullopt;    // inertial sensor and wheels on CAN, with this protocol: write can.log
   bool map = false;                                   // write true_map.ply
   std::optional<Faults> faults = std::nullopt;        // of what the sensors send
   bool localisability = false;                        // write localisability.csv

@@ -12,6 +12,7 @@
 #include "daemon/bus/encoding.hpp"
 #include "drivers/recording/pcap_writer.hpp"
 #include "tools/simulate/fault_injector.hpp"
+#include "tools/simulate/live_can.hpp"
 #include "tools/simulate/simulate.hpp"
 #include "tools/simulate/simulated_source.hpp"
 
@@ -96,13 +97,14 @@ class LiveRecording {
 class Sender {
  public:
   Sender(replay::NetworkPlayer& player, bus::Connection& connection, const bus::Channels& channels,
-         FaultInjector* injector, LiveRecording* recording, PacketOutlet* outlet)
+         FaultInjector* injector, LiveRecording* recording, PacketOutlet* outlet, LiveCan* can)
       : player_(player),
         connection_(connection),
         channels_(channels),
         injector_(injector),
         recording_(recording),
-        outlet_(outlet) {}
+        outlet_(outlet),
+        can_(can) {}
 
   void send(const Moment& moment) {
     if (recording_ != nullptr) {
@@ -110,6 +112,7 @@ class Sender {
     }
     std::size_t packet = 0;
     std::size_t row = 0;
+    std::size_t wheels = 0;
     std::size_t truth = 0;
     std::size_t fix = 0;
     const auto before = [](const auto& list, std::size_t i, double t_s) { return i < list.size() && list[i].t_s <= t_s; };
@@ -119,6 +122,12 @@ class Sender {
       }
       for (; before(moment.fixes, fix, t_s); ++fix) {
         send(moment.fixes[fix]);
+      }
+      for (; before(moment.wheels, wheels, t_s); ++wheels) {
+        send(moment.wheels[wheels]);
+      }
+      if (can_ != nullptr) {
+        can_->send_until(stamp_at(t_s), player_);
       }
       for (; before(moment.truths, truth, t_s); ++truth) {
         send(moment.truths[truth], moment.collisions);
@@ -168,6 +177,15 @@ class Sender {
     if (player_.takes_rows()) {
       player_.send(sample, stamp_at(row.t_s));
     }
+    if (can_ != nullptr) {
+      can_->add(sample);
+    }
+  }
+
+  void send(const Moment::Wheels& wheels) {
+    if (can_ != nullptr) {
+      can_->add(wheels.reading, stamp_at(wheels.t_s));
+    }
   }
 
   void send(const Moment::Fix& fix) {
@@ -193,6 +211,7 @@ class Sender {
   FaultInjector* injector_;
   LiveRecording* recording_;
   PacketOutlet* outlet_;
+  LiveCan* can_;
 };
 
 std::string collision_text(const Moment& moment) {
@@ -212,7 +231,8 @@ LiveDrive::LiveDrive(const Drive& drive)
                drive.seed),
       packets_(scene_, PacketStream::Drive::kGrowing),
       imu_(scene_.imu()),
-      gnss_(scene_.motion(), scene_.mounting().T_base_antenna, kGnss_hz, drive.gnss_errors, drive.seed) {}
+      gnss_(scene_.motion(), scene_.mounting().T_base_antenna, kGnss_hz, drive.gnss_errors, drive.seed),
+      wheels_(scene_.motion(), kWheel_hz, drive.wheel_errors, drive.seed) {}
 
 Moment LiveDrive::next(const Velocity& command) {
   Moment moment;
@@ -231,6 +251,11 @@ Moment LiveDrive::next(const Velocity& command) {
   }
   for (GnssReading reading; gnss_.next_s() <= scene_.known_s() && gnss_.next(t_s, reading);) {
     moment.fixes.push_back({t_s, reading});
+  }
+  for (; static_cast<double>(wheel_readings_) / kWheel_hz <= scene_.known_s(); ++wheel_readings_) {
+    WheelReading reading;
+    wheels_.next(t_s, reading);
+    moment.wheels.push_back({t_s, reading});
   }
   for (; static_cast<double>(truths_) / kTruth_hz <= scene_.known_s(); ++truths_) {
     t_s = static_cast<double>(truths_) / kTruth_hz;
@@ -257,7 +282,11 @@ LiveReport drive_live(const Drive& drive, const LiveOptions& options, replay::Se
   if (!options.directory.empty()) {
     recording.emplace(drive, options.directory);
   }
-  Sender sender(player, connection, channels, faulty, recording ? &*recording : nullptr, outlet);
+  std::optional<LiveCan> can;
+  if (!options.target.can_interface.empty()) {
+    can.emplace(drive, options.target.can_interface, clock);
+  }
+  Sender sender(player, connection, channels, faulty, recording ? &*recording : nullptr, outlet, can ? &*can : nullptr);
 
   // One moment is simulated while the one before is sent.
   const auto simulate_next = [&] { return live.next(inbox.newest()); };
@@ -281,6 +310,7 @@ LiveReport drive_live(const Drive& drive, const LiveOptions& options, replay::Se
   next.wait();
   sender.finish();
   report.sent = player.finish();
+  report.sent.can_frames = can ? can->sent() : 0;
   report.path_m = live.scene().path_m();
   report.commands = inbox.commands();
   report.commands_malformed = inbox.malformed();

@@ -22,6 +22,10 @@ struct Moment {
     double t_s = 0.0;
     GnssReading reading;
   };
+  struct Wheels {
+    double t_s = 0.0;
+    WheelReading reading;
+  };
   struct Truth {
     double t_s = 0.0;
     MotionState motion;
@@ -33,6 +37,7 @@ struct Moment {
   std::vector<SentPacket> packets;
   std::vector<Row> rows;         // of the external inertial sensor
   std::vector<Fix> fixes;        // of the satellite receiver
+  std::vector<Wheels> wheels;    // kWheel_hz a second
   std::vector<Truth> truths;     // 100 a second
 };
 
@@ -57,7 +62,9 @@ class LiveDrive {
   PacketStream packets_;
   InertialSensor imu_;
   GnssSensor gnss_;
+  WheelSensor wheels_;
   std::uint64_t knots_ = 0;
+  std::uint64_t wheel_readings_ = 0;
   std::uint64_t truths_ = 0;
 };
 

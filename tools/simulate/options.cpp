@@ -51,9 +51,12 @@ std::vector<Eigen::Vector2d> read_waypoints(const std::string& file) {
 /// Errors: UsageError for live options that do not go together.
 void check_live(const Options& options, const Drive& drive) {
   const bool driven = options.live || !options.drive_to.empty();
-  const bool asks = options.json || !(options.imu_to.empty() && options.gnss_to.empty() && options.lcm_url.empty() && options.lcm_prefix.empty());
+  const bool asks = options.json || !(options.imu_to.empty() && options.gnss_to.empty() && options.can_to.empty() && options.lcm_url.empty() && options.lcm_prefix.empty());
   if (!driven && asks) {
-    throw cli::UsageError("--imu-to, --gnss-to, --url, --prefix and --json are of use with --drive or --live");
+    throw cli::UsageError("--imu-to, --gnss-to, --can-to, --url, --prefix and --json are of use with --drive or --live");
+  }
+  if (!options.can_to.empty() && options.can.empty()) {
+    throw cli::UsageError("--can-to needs --can: what the inertial sensor speaks");
   }
   if (!options.live && !options.device_code.empty()) {
     throw cli::UsageError("--device-code is of use with --live");
@@ -158,6 +161,9 @@ void declare(CLI::App& app, Options& options) {
       ->check(CLI::Range(50.0, 1000.0))
       ->capture_default_str()
       ->group(kSensors);
+  app.add_option("--can", options.can, "Inertial sensor and wheels on a CAN bus: also write can.log, and have recording.toml name it")
+      ->check(CLI::IsMember({"xsens", "aceinna"}))
+      ->group(kSensors);
   app.add_flag("--perfect-imu", options.perfect_imu, "Inertial sensors without any error")->group(kSensors);
   app.add_flag("--no-sky", options.covered, "GNSS never has a fix")->group(kSensors);
   app.add_option("--drive", options.drive_to,
@@ -173,6 +179,8 @@ void declare(CLI::App& app, Options& options) {
   app.add_option("--imu-to", options.imu_to, "Where inertial samples go: udp:HOST:PORT, pty:LINKPATH, or as an emulated sensor sends them, xsens:LINKPATH, mip:LINKPATH")
       ->group(kLive);
   app.add_option("--gnss-to", options.gnss_to, "Where fixes go, as an emulated receiver sends them: nmea:LINKPATH, ubx:LINKPATH, or both:LINKPATH")
+      ->group(kLive);
+  app.add_option("--can-to", options.can_to, "The CAN interface on which inertial sensor and wheels speak as --can says, such as vcan0")
       ->group(kLive);
   app.add_option("--url", options.lcm_url, "LCM's, for commands and truth")
       ->default_str(std::string(bus::kDefaultUrl))
@@ -196,6 +204,7 @@ LiveOptions live_options_of(const Options& options) {
   if (!options.gnss_to.empty()) {
     replay::parse_gnss_destination(options.gnss_to, live.target);
   }
+  live.target.can_interface = options.can_to;
   live.lcm_url = options.lcm_url.empty() ? std::string(bus::kDefaultUrl) : options.lcm_url;
   live.lcm_prefix = options.lcm_prefix.empty() ? std::string(bus::kDefaultPrefix) : options.lcm_prefix;
   if (!bus::is_prefix(live.lcm_prefix)) {
@@ -243,6 +252,9 @@ Drive drive_of(const Options& options) {
   // There is no sky over these.
   drive.gnss_errors.covered =
       options.covered || drive.world == "indoor" || drive.world == "tunnel" || drive.world == "warehouse";
+  if (!options.can.empty()) {
+    drive.can = options.can == "xsens" ? imu::Protocol::kXsens : imu::Protocol::kAceinna;
+  }
   check_live(options, drive);
   drive.driven = options.live || !options.drive_to.empty();
   if (drive.driven) {
@@ -250,6 +262,9 @@ Drive drive_of(const Options& options) {
   }
   drive.mesh = options.mesh;
   if (asks_for_any(options.faults)) {
+    if (drive.can) {
+      throw cli::UsageError("--can: faults are those of packets and of imu.csv, and not of the bus");
+    }
     drive.faults = faults_of(options.faults, drive.seed);
   }
   if (!options.waypoints.empty()) {

@@ -26,6 +26,7 @@ struct Options {
   std::string coordinates;
   std::string waypoints;
   std::string mesh;
+  std::string can;
   double turn_rate_degps = 120.0;
   double range_noise_m = -1.0;
   double beam_bias_m = -1.0;
@@ -37,6 +38,7 @@ struct Options {
   std::string device_code;
   std::string imu_to;
   std::string gnss_to;
+  std::string can_to;
   std::string lcm_url;
   std::string lcm_prefix;
   bool json = false;

@@ -4,6 +4,7 @@
 
 #include "drivers/recording/pcap_writer.hpp"
 #include "drivers/storage/ply_writer.hpp"
+#include "tools/simulate/can_log.hpp"
 #include "tools/simulate/fault_injector.hpp"
 #include "tools/simulate/localisability.hpp"
 #include "tools/simulate/packet_stream.hpp"
@@ -130,6 +131,9 @@ void write_surroundings(const Scene& scene, const fs::path& directory) {
   write_loops(true_loops(scene.motion()), directory / "loops.csv");
   write_wheels(scene, directory / "odom.csv");
   write_gnss(scene, directory / "gnss.csv");
+  if (scene.drive().can) {
+    write_can_log(scene, directory / "can.log");
+  }
   if (scene.drive().map) {
     write_map(scene, directory / "true_map.ply");
   }

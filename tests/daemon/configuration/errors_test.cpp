@@ -135,7 +135,7 @@ INSTANTIATE_TEST_SUITE_P(
         Broken{"SerialImuWithoutATerminal", "[[lidar]]\nmodel = \"vlp16\"\n[imu]\nsource = \"serial\"\n",
                "robot.toml:4: imu.source = \"serial\": needs imu.device, the terminal, such as \"/dev/ttyUSB0\""},
         Broken{"ProtocolThatNobodySpeaks", "[[lidar]]\nmodel = \"vlp16\"\n[imu]\nprotocol = \"can\"\n",
-               "robot.toml:4: imu.protocol = 'can': must be one of \"csv\", \"xsens\", \"mip\""},
+               "robot.toml:4: imu.protocol = 'can': must be one of \"csv\", \"xsens\", \"mip\", \"aceinna\""},
         Broken{"RateForASensorThatCannotBeTold", "[[lidar]]\nmodel = \"vlp16\"\n[imu]\nsource = \"serial\"\ndevice = \"/dev/ttyS1\"\nrate_hz = 400\n",
                "robot.toml:6: imu.rate_hz = 400: a sensor that sends CSV rows cannot be told; is for imu.protocol = \"xsens\" or \"mip\""},
         Broken{"XsensOverUdp", "[[lidar]]\nmodel = \"vlp16\"\n[imu]\nsource = \"udp\"\nprotocol = \"xsens\"\n",

@@ -84,6 +84,20 @@ TEST(AceinnaImu, TakesPitchFirstUnlessItIsToldOtherwise) {
   EXPECT_LT((second.specific_force_mps2 - Eigen::Vector3d(9.81, 0.12, -0.34)).norm(), 1e-9);
 }
 
+TEST(AceinnaImu, ReadsAxisMapsAsConfigured) {
+  const auto as_j1939 = parse_axis_map("y,x,z");
+  const auto turned = parse_axis_map("-z,y,-x");
+
+  ASSERT_TRUE(as_j1939 && turned);
+  EXPECT_EQ(as_j1939->wire, AxisMap{}.wire);
+  EXPECT_EQ(as_j1939->sign, AxisMap{}.sign);
+  EXPECT_EQ(turned->wire, (std::array<std::uint8_t, 3>{2, 1, 0}));
+  EXPECT_EQ(turned->sign, (std::array{-1.0, 1.0, -1.0}));
+  for (const char* none : {"", "y", "y,x", "y,x,y", "y,x,z,", "y,x,z,z", "y;x;z", "Y,X,Z", "--y,x,z", "y,x, z", ",x,z", "-,x,z"}) {
+    EXPECT_FALSE(parse_axis_map(none)) << none;
+  }
+}
+
 TEST(AceinnaImu, GivesUpAHalfWhoseCounterpartDoesNotCome) {
   AceinnaReader sut;
   sensor::ImuReading reading;

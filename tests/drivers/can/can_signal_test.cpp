@@ -76,5 +76,42 @@ TEST(CanSignal, ReadsTheSameInBothOrdersWhereBytesAreReversed) {
   }
 }
 
+TEST(CanSignal, ReadsBackWhatWasWrittenAndLeavesTheOtherBits) {
+  std::mt19937 random(2);
+  for (int round = 0; round < 500; ++round) {
+    CanFrame frame = frame_of(1, "0000000000000000");
+    for (std::byte& byte : frame.data) {
+      byte = static_cast<std::byte>(random());
+    }
+    CanSignal sut{.id = 1, .is_big_endian = random() % 2 == 0, .first_bit = static_cast<int>(random() % 64),
+                  .bits = 1 + static_cast<int>(random() % 50), .is_signed = random() % 2 == 0, .scale = 0.25, .offset = -3.0};
+    if (!sut.is_valid()) {
+      continue;
+    }
+    const CanFrame before = frame;
+    const double value = value_of(sut, frame).value();
+
+    put_value(sut, value, frame);
+    EXPECT_EQ(frame.data, before.data);
+    put_value(sut, -3.0, frame);
+    EXPECT_EQ(value_of(sut, frame), -3.0);
+    put_value(sut, value, frame);
+    EXPECT_EQ(frame.data, before.data);
+  }
+}
+
+TEST(CanSignal, WritesTheNearestNumberThatItCanHold) {
+  CanFrame frame = frame_of(1, "0000000000000000");
+  const CanSignal is_signed{.id = 1, .bits = 8, .is_signed = true};
+  const CanSignal is_long{.id = 1, .bits = 64};
+
+  put_value(is_signed, 1e9, frame);
+  EXPECT_EQ(value_of(is_signed, frame), 127.0);
+  put_value(is_signed, -1e9, frame);
+  EXPECT_EQ(value_of(is_signed, frame), -128.0);
+  put_value(is_long, 1e30, frame);
+  EXPECT_GT(value_of(is_long, frame), 1.8e19);
+}
+
 }  // namespace
 }  // namespace slamd::can

@@ -2,7 +2,7 @@
 
 #include <string_view>
 
-#include "drivers/can/can_frame.hpp"
+#include "drivers/transport/can_frame.hpp"
 #include "tests/hex/hex.hpp"
 
 namespace slamd::can {

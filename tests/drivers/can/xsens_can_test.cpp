@@ -69,6 +69,33 @@ TEST_F(XsensCan, GivesUpASampleOfWhichAFrameIsMissing) {
   EXPECT_EQ(sut_.counters().of(InertialResult::kIncomplete), 1U);
 }
 
+TEST_F(XsensCan, TakesOnlyTheHigherResolutionWhereBothCome) {
+  for (int i = 0; i < 4; ++i) {
+    take(0x005, "0000000" + std::to_string(i));
+    take(0x032, "000000000000");
+    take(0x034, "000000000A00");
+    take(0x061, "0005FFF60100");
+    take(0x062, "000DFFE109CF");
+  }
+
+  EXPECT_EQ(samples_, 4);  // the first one is of the lower
+  EXPECT_EQ(reading_.angular_rate_radps, Eigen::Vector3d(0.009765625, -0.01953125, 0.5));
+  EXPECT_EQ(reading_.device_stamp.time_since_epoch(), 3 * std::chrono::microseconds{100});
+  EXPECT_EQ(sut_.counters().of(InertialResult::kIncomplete), 1U);
+}
+
+TEST_F(XsensCan, DoesNotGiveASampleTheTimeOfTheNextOne) {
+  take(0x032, "000000000000");  // its time was lost
+  take(0x034, "000000000A00");
+
+  EXPECT_FALSE(take(0x005, "00000001"));
+  EXPECT_FALSE(take(0x032, "0005FFF60100"));
+  EXPECT_TRUE(take(0x034, "000DFFE109CF"));
+
+  EXPECT_EQ(reading_.angular_rate_radps, Eigen::Vector3d(0.009765625, -0.01953125, 0.5));
+  EXPECT_EQ(sut_.counters().of(InertialResult::kIncomplete), 1U);
+}
+
 TEST_F(XsensCan, CountsTheSamplesThatNeverCame) {
   for (const char* counter : {"FFFE", "FFFF", "0002"}) {
     take(0x005, "00000001");

@@ -53,6 +53,27 @@ TEST_F(OpenRecording, FindsWhatTheLivePortsOfAConfigurationHaveRecorded) {
   }
 }
 
+TEST_F(OpenRecording, FindsTheLogOfABus) {
+  write("day/can.log", "not read here");
+  write("day/wheels.log", "not read here");
+  const std::vector<std::string> on_can{"imu.protocol=xsens", "wheel.left.id=1", "wheel.right.id=1"};
+  const auto opened = [&](std::vector<std::string> more) {
+    more.insert(more.end(), on_can.begin(), on_can.end());
+    return open_recording(day(), {}, more);
+  };
+
+  const Recording named = opened({"imu.source=can.log", "wheel.source=wheels.log"});
+  const Recording live = opened({"imu.source=can", "imu.interface=can0", "wheel.source=can", "wheel.interface=can0"});
+
+  EXPECT_EQ(named.imu_can, day() / "can.log");
+  EXPECT_EQ(named.wheel_can, day() / "wheels.log");
+  EXPECT_TRUE(named.imu_csv.empty() && named.wheel_csv.empty());
+  EXPECT_EQ(live.imu_can, day() / "can.log");
+  EXPECT_EQ(live.wheel_can, day() / "can.log");
+  EXPECT_EQ(refusal_of<RecordingError>(day(), {}, {"imu.source=other.log", "imu.protocol=xsens"}),
+            (day() / "other.log").string() + ": does not exist (imu.source)");
+}
+
 TEST_F(OpenRecording, RefusesALivePortWhereNothingOfItIsRecorded) {
   std::filesystem::remove(day() / "imu.csv");
 

@@ -7,7 +7,7 @@
 
 #include "core/base/stamp.hpp"
 
-namespace slamd::can {
+namespace slamd::transport {
 
 /// A data frame of CAN 2.0.
 struct CanFrame {
@@ -20,4 +20,13 @@ struct CanFrame {
   std::span<const std::byte> bytes() const { return std::span(data).first(size); }
 };
 
-}  // namespace slamd::can
+/// Frames that are wanted: those whose id agrees with `id` in the bits of `mask`.
+struct CanFilter {
+  std::uint32_t id = 0;
+  std::uint32_t mask = 0x1FFF'FFFF;
+  bool is_extended = false;
+
+  bool operator==(const CanFilter&) const = default;
+};
+
+}  // namespace slamd::transport
