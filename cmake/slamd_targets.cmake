@@ -135,7 +135,7 @@ endfunction()
 # It sees only what the folder's own DEPS list, the folder itself and gtest. Labels: "threads" marks what the
 # ThreadSanitizer run repeats; the target "threaded_tests" builds just those. "sockets" marks what needs a real
 # kernel's sockets, "long" what simulates drives: neither is run in the emulator. The target "onboard_tests" builds what
-# is, of the folders that run on a vehicle: core, drivers and daemon.
+# is, of the folders that run on a vehicle: core, drivers and daemon; "short_tests" builds all but the long ones.
 function(slamd_test folder)
   cmake_parse_arguments(arg "" "" "SOURCES;DEPS;LABELS" ${ARGN})
   if(arg_UNPARSED_ARGUMENTS)
@@ -161,6 +161,12 @@ function(slamd_test folder)
       add_custom_target(threaded_tests)
     endif()
     add_dependencies(threaded_tests ${name})
+  endif()
+  if(NOT "long" IN_LIST arg_LABELS)
+    if(NOT TARGET short_tests)
+      add_custom_target(short_tests)
+    endif()
+    add_dependencies(short_tests ${name})
   endif()
   if(folder MATCHES "^(core|daemon|drivers)/" AND NOT "sockets" IN_LIST arg_LABELS AND NOT "long" IN_LIST arg_LABELS)
     if(NOT TARGET onboard_tests)
