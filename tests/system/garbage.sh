@@ -59,8 +59,17 @@ for sender in "${senders[@]}"; do wait "$sender" || fail "garbage is sent"; done
 echo "$(cat "$scratch"/count.* | awk '{ sum += $1 } END { print sum }') pieces of garbage in $seconds s"
 sleep 3  # the limit of commands a second has passed
 
+# answers NAME: a refusal is an answer, too: after a new-map among the garbage there may be no pose yet.
+answers() {
+  local said
+  said=$(on_host "$bin/slamd-ctl" --prefix "$1" --timeout 5 set-pose 1 2 0 90 2>&1) || [[ $said == refused:* ]]
+  local answered=$?
+  echo "$said"
+  return "$answered"
+}
+
 for name in VELO AVIA; do
-  check "$name: answers a command after $seconds s of garbage" on_host "$bin/slamd-ctl" --prefix "$name" --timeout 5 set-pose 1 2 0 90
+  check "$name: answers a command after $seconds s of garbage" answers "$name"
   on_host "$bin/slamd-status" --once --json --prefix "$name" >"$scratch/$name.json"
   holds "$name: refused some of it, by count" "$scratch/$name.json" '.health.sensors[0].dropped > 0'
   holds "$name: took the good packets in between" "$scratch/$name.json" '.health.sensors[0].received > 1000'

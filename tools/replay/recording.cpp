@@ -59,15 +59,15 @@ fs::path imu_file(const fs::path& directory, const configuration::ImuConfigurati
   return directory / "imu.csv";
 }
 
-/// What came in at a live daemon's port is recorded as gnss.csv, where it is.
+/// What came in at a live daemon's port is recorded as gnss.csv, where it is. A file that is only counted may be missing.
 fs::path gnss_file(const fs::path& directory, const configuration::GnssConfiguration& gnss) {
   if (gnss.source.empty() || gnss.is_velodyne()) {
     return {};
   }
-  if (!gnss.is_serial()) {
+  if (!gnss.is_serial() && (gnss.use || fs::exists(directory / gnss.source))) {
     return existing(directory, gnss.source, "gnss.source");
   }
-  return fs::exists(directory / "gnss.csv") ? directory / "gnss.csv" : fs::path();
+  return gnss.is_serial() && fs::exists(directory / "gnss.csv") ? directory / "gnss.csv" : fs::path();
 }
 
 }  // namespace

@@ -313,6 +313,8 @@ Run replay(const Recording& recording, const Sinks& sinks) {
                                                                         : replay_packets(recording, sinks);
   if (!recording.gnss.empty()) {
     run.gnss = read_gnss(recording.gnss);
+  } else if (const auto& gnss = recording.configuration.gnss; !gnss.source.empty() && !gnss.is_serial() && !gnss.is_velodyne()) {
+    run.remarks.push_back("gnss.source = \"" + gnss.source + "\" does not exist: no fixes are counted");
   }
   run.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   return run;

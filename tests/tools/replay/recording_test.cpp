@@ -114,6 +114,14 @@ TEST_F(OpenRecording, SaysWhichFileIsMissingAndWhoAsksForIt) {
             (day() / "other.csv").string() + ": does not exist (imu.source)");
 }
 
+TEST_F(OpenRecording, GoesOnWithoutFixesThatNothingUses) {
+  const auto counted = write("counted.toml", "[[lidar]]\nmodel = \"vlp16\"\n[gnss]\nsource = \"gnss.csv\"\n");
+  const auto used = write("used.toml", "[[lidar]]\nmodel = \"vlp16\"\n[gnss]\nuse = true\nsource = \"gnss.csv\"\n");
+
+  EXPECT_TRUE(open_recording(day(), {counted}, {}).gnss.empty());
+  EXPECT_THROW(open_recording(day(), {used}, {}), recording::RecordingError);
+}
+
 TEST_F(OpenRecording, AsksWhichCaptureWhenThereAreSeveral) {
   write("day/second.pcapng", "");
 
