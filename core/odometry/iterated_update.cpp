@@ -97,8 +97,8 @@ UpdateResult iterated_update(const NavState& prior,
       sum = registration::linearize(scratch.view(), state.T_odom_imu, config.kernel_m);
     }
     if (associate) {
-      result.localisability =
-          localisability_of(scratch.view(), sum.H, state.T_odom_imu, config.kernel_m, config.degenerate_share, remembered_weak_odom);
+      result.localisability = localisability_of(scratch.view(), sum.H, state.T_odom_imu, config.kernel_m,
+                                                config.degenerate_share, remembered_weak_odom);
     }
     // A weak direction keeps the prior, but for what really faces it.
     if (result.localisability.weak.count != 0) {

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <optional>
+
 #include "core/base/bounded_vector.hpp"
 #include "core/inertial/nav_state.hpp"
 #include "core/map/voxel_map.hpp"
@@ -58,6 +60,7 @@ void widen_where_excluded(const inertial::NavState& prior, const geometry::Se3& 
 
 /// Updates the predicted state with a scan: iterated EKF on point-to-plane and point-to-line constraints, in
 /// information form. `T_odom_imu_start` is where it is linearised first: the prediction, or the swarm's mode.
+/// `remembered_weak_odom` is a direction that counts as weak, whatever the scan shows of it: see WeakMemory.
 /// Source: iterated error-state Kalman filter as maximum a posteriori (Bell and Cathey, 1993; Xu et al., 2022).
 /// Real-time: no allocation; `scratch` holds max_constraints.
 UpdateResult iterated_update(const inertial::NavState& prior,

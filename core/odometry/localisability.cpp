@@ -68,18 +68,23 @@ Matrix6d without_tilts(std::span<const Constraint> constraints, const Matrix6d& 
   return result;
 }
 
-/// Part of the information that comes from surfaces which truly face a direction.
-double trusted_part(std::span<const Constraint> constraints, const geometry::Se3& T_odom_imu, double kernel_m,
-                    const Eigen::Vector3d& direction) {
-  double trusted = 0.0;
+/// Parts of the information that come from surfaces which truly face each of the directions.
+std::array<double, 4> trusted_parts(std::span<const Constraint> constraints, const geometry::Se3& T_odom_imu, double kernel_m,
+                                    std::span<const Eigen::Vector3d> directions) {
+  std::array<double, 4> trusted{};
   double all = 0.0;
   for (const Constraint& constraint : constraints) {
     const double weight = weight_of(constraint, T_odom_imu, kernel_m);
-    const double along = registration::trusted_along(constraint, direction);
     all += weight;
-    trusted += weight * along * along;
+    for (std::size_t i = 0; i < directions.size(); ++i) {
+      const double along = registration::trusted_along(constraint, directions[i]);
+      trusted[i] += weight * along * along;
+    }
   }
-  return all > 0.0 ? trusted / all : 0.0;
+  for (double& part : trusted) {
+    part = all > 0.0 ? part / all : 0.0;
+  }
+  return trusted;
 }
 
 }  // namespace
@@ -108,26 +113,28 @@ Localisability localisability_of(std::span<const Constraint> constraints,
   for (std::size_t i = 0; i < result.weak_turns.count; ++i) {
     result.weak_turns.odom[i] = T_odom_imu.rotation() * result.weak_turns.odom[i];  // δθ is about the imu's own axes
   }
-  const auto share_along = [&](const Eigen::Vector3d& direction) {
-    // What of it a turn could not explain as well.
-    const double seen = direction.dot(position * direction);
-    const double held_share = seen > 0.0 ? std::max(0.0, direction.dot(held * direction)) / seen : 0.0;
-    return held_share * trusted_part(constraints, T_odom_imu, kernel_m, direction);
-  };
+  std::array<Eigen::Vector3d, 4> directions;
   for (int i = 0; i < 3; ++i) {
-    const Eigen::Vector3d direction = solver.eigenvectors().col(i);
-    const double trusted = share_along(direction);
-    if (i == 0) {
-      result.weakest_odom = direction;
-      result.share = trusted;
-    }
-    if (trusted < share) {
-      result.weak.odom[result.weak.count++] = direction;
+    directions[static_cast<std::size_t>(i)] = solver.eigenvectors().col(i);
+  }
+  const std::size_t count = remembered_odom ? 4 : 3;
+  directions[3] = remembered_odom.value_or(Eigen::Vector3d::Zero());
+  std::array<double, 4> shares = trusted_parts(constraints, T_odom_imu, kernel_m, std::span(directions).first(count));
+  for (std::size_t i = 0; i < count; ++i) {
+    // What of it a turn could not explain as well.
+    const double seen = directions[i].dot(position * directions[i]);
+    shares[i] *= seen > 0.0 ? std::max(0.0, directions[i].dot(held * directions[i])) / seen : 0.0;
+  }
+  result.weakest_odom = directions[0];
+  result.share = shares[0];
+  for (std::size_t i = 0; i < 3; ++i) {
+    if (shares[i] < share) {
+      result.weak.odom[result.weak.count++] = directions[i];
     }
   }
   result.own_weak = result.weak.count;
   if (remembered_odom) {
-    result.remembered_share = share_along(*remembered_odom);
+    result.remembered_share = shares[3];
     Eigen::Vector3d more = *remembered_odom;
     for (std::size_t i = 0; i < result.weak.count; ++i) {
       more -= more.dot(result.weak.odom[i]) * result.weak.odom[i];
