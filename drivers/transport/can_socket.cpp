@@ -86,10 +86,9 @@ CanSocket::CanSocket(const CanSocketConfig& config, const HostClock& clock)
     : interface_(config.interface),
       filters_(config.filters),
       receipts_(clock),
-      wanted_bytes_(config.receive_buffer_bytes),
       batch_(std::make_unique<Batch>()) {
   try {
-    open_socket();
+    open_socket(config.receive_buffer_bytes);
   } catch (...) {
     close(fd_);
     throw;
@@ -103,12 +102,12 @@ CanSocket::CanSocket(int fd, std::string interface, const HostClock& clock)
 
 CanSocket::~CanSocket() { close(fd_); }
 
-void CanSocket::open_socket() {
+void CanSocket::open_socket(int receive_buffer_bytes) {
   fd_ = socket(PF_CAN, SOCK_RAW | SOCK_NONBLOCK | SOCK_CLOEXEC, CAN_RAW);
   if (fd_ < 0) {
     fail(interface_, errno);
   }
-  if (const int error = receipts_.set_up(fd_, wanted_bytes_); error != 0) {
+  if (const int error = receipts_.set_up(fd_, receive_buffer_bytes); error != 0) {
     fail(interface_, error);
   }
   if (!set_filters() || setsockopt(fd_, SOL_CAN_RAW, CAN_RAW_ERR_FILTER, &kErrors, sizeof kErrors) != 0) {
@@ -157,15 +156,7 @@ bool CanSocket::bind_to(int index) {
 std::size_t CanSocket::take_batch() {
   batch_->rearm();
   // That the interface went down or away is an error, once; whoever attends sees for himself.
-  const int taken = recvmmsg(fd_, batch_->messages.data(), kBatch, MSG_DONTWAIT, nullptr);
-  if (taken < static_cast<int>(kBatch)) {
-    receipts_.read_losses(fd_);
-  }
-  if (taken <= 0) {
-    return 0;
-  }
-  receipts_.begin_batch();
-  return static_cast<std::size_t>(taken);
+  return receipts_.receive(fd_, batch_->messages);
 }
 
 bool CanSocket::open(std::size_t index, CanFrame& frame) {
@@ -208,14 +199,7 @@ void CanSocket::note_error(std::uint32_t id, std::span<const std::byte> data) {
   count_if((controller & (CAN_ERR_CRTL_RX_PASSIVE | CAN_ERR_CRTL_TX_PASSIVE)) != 0, passive_);
 }
 
-std::string CanSocket::buffer_remark() const {
-  if (receipts_.granted_bytes() >= wanted_bytes_) {
-    return "";
-  }
-  return "CAN interface " + interface_ + ": receive buffer of " + std::to_string(receipts_.granted_bytes()) +
-         " bytes instead of " + std::to_string(wanted_bytes_) + " (sysctl net.core.rmem_max=" + std::to_string(wanted_bytes_) +
-         ", or CAP_NET_ADMIN, gives it the rest)";
-}
+std::string CanSocket::buffer_remark() const { return receipts_.buffer_remark("CAN interface " + interface_); }
 
 CanCounters CanSocket::counters() const {
   return {received_.value(),  other_.value(),     receipts_.lost(),  controller_lost_.value(),

@@ -98,7 +98,7 @@ class CanSocket {
  private:
   struct Batch;
 
-  void open_socket();
+  void open_socket(int receive_buffer_bytes);
   bool set_filters() const;
   bool bind_to(int index);
   std::size_t take_batch();
@@ -109,7 +109,6 @@ class CanSocket {
   std::vector<CanFilter> filters_;
   Receipts receipts_;
   int fd_ = -1;
-  int wanted_bytes_ = 0;
   std::unique_ptr<Batch> batch_;  // scratch, sized once
   // Written by the thread that attends.
   std::atomic<CanLink> link_{CanLink::kUnknown};

@@ -18,11 +18,7 @@ namespace slamd::transport {
 namespace {
 
 [[noreturn]] void fail(std::uint16_t port, int error) {
-  std::string cause = "cannot be bound: " + std::generic_category().message(error);
-  if (error == EADDRINUSE) {
-    const std::string owner = udp_port_owner(port);
-    cause = "is taken" + (owner.empty() ? " by another process" : " by " + owner);
-  }
+  const std::string cause = error == EADDRINUSE ? taken_in_words(port) : "cannot be bound: " + std::generic_category().message(error);
   throw TransportError("UDP port " + std::to_string(port) + " " + cause);
 }
 

@@ -43,9 +43,8 @@ bool holds_any(const fs::path& process, const std::vector<std::string>& links) {
   return false;
 }
 
-}  // namespace
-
-std::string udp_port_owner(std::uint16_t port) {
+/// Names the process that has bound the port: "slamd (pid 123)"; empty where that cannot be seen.
+std::string owner_of(std::uint16_t port) {
   const std::vector<std::string> links = sockets_on(port);
   if (links.empty()) {
     return "";
@@ -61,6 +60,13 @@ std::string udp_port_owner(std::uint16_t port) {
     }
   }
   return "";
+}
+
+}  // namespace
+
+std::string taken_in_words(std::uint16_t port) {
+  const std::string owner = owner_of(port);
+  return "is taken by " + (owner.empty() ? "another process" : owner);
 }
 
 }  // namespace slamd::transport

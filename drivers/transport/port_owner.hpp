@@ -5,9 +5,9 @@
 
 namespace slamd::transport {
 
-/// Names the process that has bound a UDP port: "slamd (pid 123)"; empty where that cannot be seen, as for the
-/// processes of other users.
+/// Says of a UDP port that it is taken, and by whom: "is taken by slamd (pid 123)", or "by another process" where that
+/// cannot be seen, as of the processes of other users.
 /// Real-time: no; reads /proc.
-std::string udp_port_owner(std::uint16_t port);
+std::string taken_in_words(std::uint16_t port);
 
 }  // namespace slamd::transport

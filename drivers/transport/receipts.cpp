@@ -17,6 +17,7 @@ bool set_option(int fd, int name, int value) { return setsockopt(fd, SOL_SOCKET,
 }  // namespace
 
 int Receipts::set_up(int fd, int wanted_bytes) {
+  wanted_bytes_ = wanted_bytes;
   if (!set_option(fd, SO_RCVBUFFORCE, wanted_bytes)) {  // root's; others are cut to net.core.rmem_max
     set_option(fd, SO_RCVBUF, wanted_bytes);
   }
@@ -24,6 +25,27 @@ int Receipts::set_up(int fd, int wanted_bytes) {
   getsockopt(fd, SOL_SOCKET, SO_RCVBUF, &granted_bytes_, &length);
   granted_bytes_ /= 2;  // the kernel doubles what is asked for, to have room for its own
   return set_option(fd, SO_TIMESTAMPNS, 1) && set_option(fd, SO_RXQ_OVFL, 1) ? 0 : errno;
+}
+
+std::size_t Receipts::receive(int fd, std::span<mmsghdr> messages) {
+  const int taken = recvmmsg(fd, messages.data(), static_cast<unsigned>(messages.size()), MSG_DONTWAIT, nullptr);
+  if (taken < static_cast<int>(messages.size())) {
+    read_losses(fd);
+  }
+  if (taken <= 0) {
+    return 0;
+  }
+  readings_ = clock_.read();
+  return static_cast<std::size_t>(taken);
+}
+
+std::string Receipts::buffer_remark(const std::string& whose) const {
+  if (granted_bytes_ >= wanted_bytes_) {
+    return "";
+  }
+  const std::string wanted = std::to_string(wanted_bytes_);
+  return whose + ": receive buffer of " + std::to_string(granted_bytes_) + " bytes instead of " + wanted +
+         " (sysctl net.core.rmem_max=" + wanted + ", or CAP_NET_ADMIN, gives it the rest)";
 }
 
 Stamp Receipts::read(msghdr& header) {

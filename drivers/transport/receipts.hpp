@@ -3,6 +3,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <ctime>
+#include <span>
+#include <string>
 
 #include <sys/socket.h>
 
@@ -29,22 +31,25 @@ class Receipts {
   /// The receive buffer that the kernel has granted, in the unit of `wanted_bytes`.
   int granted_bytes() const { return granted_bytes_; }
 
-  /// Reads the clocks, by which the messages of a batch are stamped that has just been received.
-  void begin_batch() { readings_ = clock_.read(); }
+  /// Takes the waiting messages, as many as there is room for, and returns how many: 0 when none was waiting. Where they
+  /// were all, takes note of losses after the newest one, too.
+  std::size_t receive(int fd, std::span<mmsghdr> messages);
 
-  /// Returns when a message of the batch came in, and takes note of the losses that it tells.
+  /// Returns when a message of the last batch came in, and takes note of the losses that it tells.
   Stamp read(msghdr& header);
 
-  /// Takes note of losses after the newest message, too: when there are no more waiting.
-  void read_losses(int fd);
+  /// Says in words that the receive buffer of `whose` is smaller than was asked for; empty when it is not.
+  std::string buffer_remark(const std::string& whose) const;
 
   /// Messages that the kernel has dropped, for the receive buffer was full.
   std::uint64_t lost() const { return lost_.value(); }
 
  private:
+  void read_losses(int fd);
   void note_losses(std::uint32_t kernel_count);
 
   HostClock clock_;
+  int wanted_bytes_ = 0;
   int granted_bytes_ = 0;
   Stamp last_received_{};
   ClockReadings readings_;          // of the batch in hand

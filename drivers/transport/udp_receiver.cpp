@@ -22,10 +22,7 @@ std::string words_of(int error) { return std::generic_category().message(error);
 
 [[noreturn]] void fail_to_bind(const UdpReceiverConfig& config, int error) {
   switch (error) {
-    case EADDRINUSE: {
-      const std::string owner = udp_port_owner(config.port);
-      fail(config.port, "is taken" + (owner.empty() ? " by another process" : " by " + owner));
-    }
+    case EADDRINUSE: fail(config.port, taken_in_words(config.port));
     case EADDRNOTAVAIL: fail(config.port, "cannot be bound: no interface of this host has the address " + config.bind_address);
     case EACCES: fail(config.port, "cannot be bound: no permission (ports below 1024 need CAP_NET_BIND_SERVICE)");
     default: fail(config.port, "cannot be bound to " + config.bind_address + ": " + words_of(error));
@@ -68,7 +65,7 @@ struct UdpReceiver::Batch {
 };
 
 UdpReceiver::UdpReceiver(const UdpReceiverConfig& config, const HostClock& clock)
-    : receipts_(clock), wanted_bytes_(config.receive_buffer_bytes), batch_(std::make_unique<Batch>()) {
+    : receipts_(clock), batch_(std::make_unique<Batch>()) {
   if (!config.source_address.empty()) {
     source_ = parse_address(config.source_address);
     source_is_configured_ = true;
@@ -95,7 +92,7 @@ void UdpReceiver::open_socket(const UdpReceiverConfig& config) {
   if (fd_ < 0) {
     fail(config.port, "cannot be opened: " + words_of(errno));
   }
-  if (const int error = receipts_.set_up(fd_, wanted_bytes_); error != 0) {
+  if (const int error = receipts_.set_up(fd_, config.receive_buffer_bytes); error != 0) {
     fail(config.port, "has no receive stamps or loss counts: " + words_of(error));
   }
   sockaddr_in bound{};
@@ -112,15 +109,7 @@ void UdpReceiver::open_socket(const UdpReceiverConfig& config) {
 
 std::size_t UdpReceiver::take_batch() {
   batch_->rearm();
-  const int taken = recvmmsg(fd_, batch_->messages.data(), kBatch, MSG_DONTWAIT, nullptr);
-  if (taken < static_cast<int>(kBatch)) {
-    receipts_.read_losses(fd_);  // those after the newest datagram, too
-  }
-  if (taken <= 0) {
-    return 0;
-  }
-  receipts_.begin_batch();
-  return static_cast<std::size_t>(taken);
+  return receipts_.receive(fd_, batch_->messages);
 }
 
 bool UdpReceiver::open(std::size_t index, Datagram& datagram) {
@@ -156,14 +145,7 @@ void UdpReceiver::unpin() {
   }
 }
 
-std::string UdpReceiver::buffer_remark() const {
-  if (receipts_.granted_bytes() >= wanted_bytes_) {
-    return "";
-  }
-  return "UDP port " + std::to_string(port_) + ": receive buffer of " + std::to_string(receipts_.granted_bytes()) + " bytes instead of " +
-         std::to_string(wanted_bytes_) + " (sysctl net.core.rmem_max=" + std::to_string(wanted_bytes_) +
-         ", or CAP_NET_ADMIN, gives it the rest)";
-}
+std::string UdpReceiver::buffer_remark() const { return receipts_.buffer_remark("UDP port " + std::to_string(port_)); }
 
 UdpCounters UdpReceiver::counters() const {
   return {received_.value(), foreign_source_.value(), truncated_.value(), receipts_.lost()};

@@ -107,7 +107,6 @@ class UdpReceiver {
   Receipts receipts_;
   int fd_ = -1;
   std::uint16_t port_ = 0;
-  int wanted_bytes_ = 0;
   bool source_is_configured_ = false;
   std::optional<std::uint32_t> source_;
   std::unique_ptr<Batch> batch_;  // scratch, sized once
