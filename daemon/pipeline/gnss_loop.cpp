@@ -15,7 +15,7 @@ namespace {
 transport::SerialPortConfig port_config(const Configuration& configuration) {
   transport::SerialPortConfig config;
   config.device = configuration.gnss.device;
-  config.baud = configuration.gnss.baud == 0 ? imu::BaudHunt::kRates.front() : configuration.gnss.baud;
+  config.baud = configuration.gnss.baud == 0 ? transport::BaudHunt::kRates.front() : configuration.gnss.baud;
   return config;
 }
 

@@ -5,7 +5,7 @@
 #include "daemon/stages/gnss_stage.hpp"
 #include "daemon/stages/packet_stage.hpp"
 #include "daemon/threads/event_ring.hpp"
-#include "drivers/imu/baud_hunt.hpp"
+#include "drivers/transport/baud_hunt.hpp"
 #include "drivers/transport/host_clock.hpp"
 #include "drivers/transport/serial_port.hpp"
 
@@ -42,7 +42,7 @@ class GnssLoop {
   transport::HostClock clock_;
   transport::SerialPort port_;
   bool hunts_;
-  imu::BaudHunt hunt_{kDwell};
+  transport::BaudHunt hunt_{kDwell};
   stages::GnssStage stage_;
   bool had_fix_ = false;
   bool was_found_ = false;

@@ -8,8 +8,8 @@
 
 namespace slamd::gnss {
 
-using imu::FrameVerdict;
-using imu::FrameView;
+using transport::FrameVerdict;
+using transport::FrameView;
 
 namespace {
 

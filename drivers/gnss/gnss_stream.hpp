@@ -31,7 +31,7 @@ const char* name_of(MessageResult result);
 struct GnssCounters {
   std::array<std::uint64_t, kMessageResults> messages{};  // by MessageResult
   std::array<std::uint64_t, kFixVerdicts> fixes{};        // by FixVerdict
-  imu::StreamCounters stream;
+  transport::StreamCounters stream;
 
   std::uint64_t of(MessageResult result) const { return messages[static_cast<std::size_t>(result)]; }
   std::uint64_t of(FixVerdict verdict) const { return fixes[static_cast<std::size_t>(verdict)]; }
@@ -135,7 +135,7 @@ class GnssStream {
   void finish_moment(sensor::GnssFix& fix);
   void count(MessageResult result) { messages_[static_cast<std::size_t>(result)].add(); }
 
-  imu::ByteFrames<GnssFrames> frames_;
+  transport::ByteFrames<GnssFrames> frames_;
   std::array<Counter, kMessageResults> messages_;
   std::array<Counter, kFixVerdicts> fixes_;
   std::optional<Duration> time_;  // of the moment in hand, or of the fix that went out last

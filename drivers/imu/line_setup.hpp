@@ -5,13 +5,15 @@
 #include <span>
 
 #include "core/base/stamp.hpp"
-#include "drivers/imu/baud_hunt.hpp"
+#include "drivers/transport/baud_hunt.hpp"
 #include "drivers/imu/imu_stream.hpp"
 #include "drivers/imu/line_output.hpp"
 #include "drivers/imu/mip_host.hpp"
 #include "drivers/imu/xsens_host.hpp"
 
 namespace slamd::imu {
+
+using transport::BaudHunt;
 
 struct LineSetupConfig {
   Protocol protocol = Protocol::kCsv;

@@ -6,10 +6,15 @@
 #include <span>
 
 #include "core/base/fixed_vector.hpp"
-#include "drivers/imu/byte_frames.hpp"
+#include "drivers/transport/byte_frames.hpp"
 #include "drivers/imu/inertial_result.hpp"
 
 namespace slamd::imu {
+
+using transport::ByteFrames;
+using transport::FrameVerdict;
+using transport::FrameView;
+using transport::StreamCounters;
 
 /// A MIP packet; payload points into the bytes that it was read from. Source: imu-serial.md §B.1.
 struct MipPacket {

@@ -7,10 +7,15 @@
 #include <span>
 
 #include "core/base/fixed_vector.hpp"
-#include "drivers/imu/byte_frames.hpp"
+#include "drivers/transport/byte_frames.hpp"
 #include "drivers/imu/inertial_result.hpp"
 
 namespace slamd::imu {
+
+using transport::ByteFrames;
+using transport::FrameVerdict;
+using transport::FrameView;
+using transport::StreamCounters;
 
 /// An XBus message; data points into the bytes that it was read from. Source: imu-serial.md §A.1.
 struct XbusMessage {

@@ -96,7 +96,7 @@ class EmulatedXsens : public EmulatedImu {
   }
 
   std::uint16_t rate_hz_;
-  imu::ByteFrames<imu::Xbus> frames_;
+  transport::ByteFrames<imu::Xbus> frames_;
   std::vector<imu::XsensOutput> outputs_;
   bool measures_ = true;
   std::uint64_t part_ = 1;  // of the samples, which is sent
@@ -200,7 +200,7 @@ class EmulatedMip : public EmulatedImu {
   static constexpr std::uint8_t kBadParameter = 3;
 
   std::uint16_t rate_hz_;
-  imu::ByteFrames<imu::Mip> frames_;
+  transport::ByteFrames<imu::Mip> frames_;
   std::vector<imu::MipOutput> outputs_;
   bool idle_ = false;
   bool streams_ = true;

@@ -101,6 +101,7 @@ TEST_F(GnssAtASerialPort, ReadsFixesAndTellsWhenTheyAreLost) {
   receiver.say_second(3, 'V');
   receiver.say_second(4, 'V');
   EXPECT_TRUE(hears(sut, Event::kGnssNoFix));
+  EXPECT_TRUE(runs_until(sut, [&] { return sut.state().fixes == 5; }));
 
   const GnssState state = sut.state();
   EXPECT_EQ(state.good, 3U);
@@ -140,7 +141,7 @@ TEST_F(GnssAtASerialPort, FindsItsRateByListening) {
   receiver.say_second(1);
 
   EXPECT_TRUE(hears(sut, Event::kGnssFound));  // a pseudo terminal is good at any rate
-  EXPECT_EQ(value_, static_cast<std::uint64_t>(imu::BaudHunt::kRates[0]));
+  EXPECT_EQ(value_, static_cast<std::uint64_t>(transport::BaudHunt::kRates[0]));
 }
 
 TEST_F(GnssAtASerialPort, GoesOnToTheNextRateWhileNothingIsReadable) {
@@ -156,7 +157,7 @@ TEST_F(GnssAtASerialPort, GoesOnToTheNextRateWhileNothingIsReadable) {
   receiver.say_second(1);
 
   EXPECT_TRUE(hears(sut, Event::kGnssFound));
-  EXPECT_EQ(value_, static_cast<std::uint64_t>(imu::BaudHunt::kRates[1]));
+  EXPECT_EQ(value_, static_cast<std::uint64_t>(transport::BaudHunt::kRates[1]));
 }
 
 TEST(GnssCause, SaysWhatIsMissing) {

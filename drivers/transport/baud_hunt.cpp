@@ -1,8 +1,8 @@
-#include "drivers/imu/baud_hunt.hpp"
+#include "drivers/transport/baud_hunt.hpp"
 
 #include <algorithm>
 
-namespace slamd::imu {
+namespace slamd::transport {
 
 void BaudHunt::begin(Stamp now) {
   tried_ = 0;
@@ -39,4 +39,4 @@ bool BaudHunt::take_probe(Stamp now) {
   return true;
 }
 
-}  // namespace slamd::imu
+}  // namespace slamd::transport

@@ -8,7 +8,7 @@
 
 #include "core/base/counter.hpp"
 
-namespace slamd::imu {
+namespace slamd::transport {
 
 /// What a protocol says of the bytes at a place of its stream.
 enum class FrameVerdict : std::uint8_t {
@@ -108,4 +108,4 @@ class ByteFrames {
   Counter damaged_;
 };
 
-}  // namespace slamd::imu
+}  // namespace slamd::transport

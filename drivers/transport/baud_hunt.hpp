@@ -5,7 +5,7 @@
 
 #include "core/base/stamp.hpp"
 
-namespace slamd::imu {
+namespace slamd::transport {
 
 /// Finds the rate of a serial line as gpsd does: listens at one after the other, the last good one first, until good
 /// frames come. A rate at which nothing comes is probed once, for the sensor may only speak when it is spoken to.
@@ -53,4 +53,4 @@ class BaudHunt {
   Stamp probe_at_{};
 };
 
-}  // namespace slamd::imu
+}  // namespace slamd::transport

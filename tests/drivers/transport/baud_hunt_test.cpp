@@ -1,10 +1,10 @@
-#include "drivers/imu/baud_hunt.hpp"
+#include "drivers/transport/baud_hunt.hpp"
 
 #include <gtest/gtest.h>
 
 #include <set>
 
-namespace slamd::imu {
+namespace slamd::transport {
 namespace {
 
 constexpr Stamp kBegin{std::chrono::seconds{1'700'000'000}};
@@ -88,4 +88,4 @@ TEST(BaudHunt, BeginsAgainWithTheLastGoodRate) {
 }
 
 }  // namespace
-}  // namespace slamd::imu
+}  // namespace slamd::transport
