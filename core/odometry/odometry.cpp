@@ -52,6 +52,7 @@ void Odometry::start(const inertial::Alignment& alignment) {
   begin();
   state_ = alignment.state;
   P_ = alignment.P;
+  lidar_imu_check_.begin(state_);
 }
 
 void Odometry::begin() {
@@ -91,6 +92,7 @@ OdometryResult Odometry::process(const DeskewedScan& scan,
                                  std::span<const sensor::WheelSample> wheels) {
   environment_.add(scan.median_range_m);
   wheels_.begin_transition();
+  const NavState before = state_;
   const Cause prediction_cause = predict(scan.end, samples, wheels);             // 1
   if (map_.empty()) {
     last_scan_end_ = scan.end;
@@ -125,6 +127,7 @@ OdometryResult Odometry::process(const DeskewedScan& scan,
   if (posterior.enough) {
     weak_memory_.note(posterior.localisability, std::min(posterior.matched_ratio, posterior.inlier_ratio),
                       posterior.state.T_odom_imu * config_.T_base_imu.inverse());
+    check_lidar_imu(before, !samples.empty(), posterior);
     wheels_.follow(state_, P_, posterior.state, posterior.P);
   }
   state_ = posterior.state;
@@ -140,6 +143,16 @@ OdometryResult Odometry::process(const DeskewedScan& scan,
   result.map_updated = trusted;
   result.swarm = swarm;
   return result;
+}
+
+// Beside the odometry: see core/calibration.
+void Odometry::check_lidar_imu(const NavState& before, bool by_imu, const UpdateResult& posterior) {
+  if (!by_imu || !confirmed_) {
+    lidar_imu_check_.begin(posterior.state);
+    return;
+  }
+  lidar_imu_check_.add({before, state_, wheels_.transition(), posterior.state, posterior.P,
+                        config_.update.information_share * posterior.information});
 }
 
 Cause Odometry::predict(Stamp to,
@@ -330,6 +343,7 @@ OdometryResult Odometry::result_of(const DeskewedScan& scan, Cause cause, const 
   result.indoor = environment_.indoor();
   result.update = update;
   note_uncertainty(static_cast<double>(scan.median_range_m), J, result);
+  gravity_check_.add(result.T_odom_base, result.up_odom);
   return result;
 }
 

@@ -26,6 +26,7 @@ struct OdometryConfig {
   Environment environment = Environment::kAuto;
   std::uint64_t seed = 1;
   bool use_imu = true;                 // false: LiDAR only, at constant velocity
+  Duration imu_offset{};               // by which inertial stamps are late: taken off
   geometry::Se3 T_base_imu;            // identity when LiDAR only
   geometry::Se3 T_base_lidar;
   inertial::ImuNoise imu_noise;

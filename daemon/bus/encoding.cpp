@@ -315,7 +315,7 @@ bool strings_stay_inside_health(std::span<const std::byte> bytes) {
     }
   };
   Walk walk(bytes);
-  walk.skip(8 + 8 + 1 + 1 + 4 + 4 + 4);
+  walk.skip(8 + 8 + 1 + 1 + 5 * 4);
   skip_list(walk, decltype(Health::causes)::capacity(), 0);
   skip_list(walk, decltype(Health::sensors)::capacity(), 1 + 1 + 4 + 3 * 8 + 4 + 4 + 4);
   skip_list(walk, decltype(Health::stages)::capacity(), 4 * 4);
@@ -335,6 +335,8 @@ std::size_t encode(const Health& health, std::span<std::byte> buffer) {
   message.swarm_use = health.swarm_use;
   message.particles = static_cast<std::int32_t>(health.particles);
   message.inlier_share = health.inlier_share;
+  message.imu_offset_ms = health.imu_offset_ms;
+  message.imu_offset_std_ms = health.imu_offset_std_ms;
   const auto fill = [](const auto& list, std::uint8_t& count, auto& destination, auto write_item) {
     static_assert(std::extent_v<std::remove_reference_t<decltype(destination)>> ==
                   std::remove_cvref_t<decltype(list)>::capacity());
@@ -372,6 +374,8 @@ std::optional<Health> decode_health(std::span<const std::byte> bytes) {
   health.swarm_use = message.swarm_use;
   health.particles = static_cast<std::uint32_t>(message.particles);
   health.inlier_share = message.inlier_share;
+  health.imu_offset_ms = message.imu_offset_ms;
+  health.imu_offset_std_ms = message.imu_offset_std_ms;
   for (std::size_t i = 0; i < message.cause_count; ++i) {
     health.causes.push_back(std::string_view(message.causes[i]));
   }

@@ -139,6 +139,8 @@ struct Health {
   float swarm_use = 0.0F;         // share of scans whose swarm moved the pose
   std::uint32_t particles = 0;    // of the last swarm
   float inlier_share = 0.0F;      // of the last scan's constraints
+  float imu_offset_ms = 0.0F;     // by which inertial stamps are late against the LiDAR's
+  float imu_offset_std_ms = 0.0F;  // of it; 0: not known
 };
 static_assert(std::is_trivially_copyable_v<Health>);
 

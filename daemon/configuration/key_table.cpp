@@ -95,6 +95,7 @@ void add_sensor_keys(std::vector<Key>& keys) {
                 },
                 [](const Configuration& c) { return c.imu.T_base_imu; });
   keys.push_back(choice("imu.clock", clocks, "As lidar.clock; a CSV file is on the time base already.", SLAMD_FIELD(imu.clock)));
+  keys.push_back(number("imu.offset_ms", -500.0, 500.0, "By which inertial stamps are late against the LiDAR's: taken off. A drive shows it (report.json, health).", SLAMD_FIELD(odometry.imu_offset)));
   keys.push_back(number("imu.gyro_noise_radps_sqrthz", 1e-6, 1.0, "Density of the gyroscope's noise.", SLAMD_FIELD(odometry.imu_noise.gyro_noise_radps_sqrthz)));
   keys.push_back(number("imu.gyro_scale_error", 0.0, 0.1, "Scale error and misalignment of the gyroscope, as a share of the turn rate.", SLAMD_FIELD(odometry.imu_noise.gyro_scale_error)));
   keys.push_back(number("imu.accel_noise_mps2_sqrthz", 1e-5, 10.0, "Density of the accelerometer's noise, with vibration.", SLAMD_FIELD(odometry.imu_noise.accel_noise_mps2_sqrthz)));

@@ -6,6 +6,7 @@
 
 #include <net/if.h>
 
+#include "core/calibration/words.hpp"
 #include "daemon/stages/pose_stage.hpp"
 #include "drivers/transport/udp_receiver.hpp"
 
@@ -76,6 +77,8 @@ HealthMonitor::HealthMonitor(const configuration::Configuration& configuration, 
       wheels_enabled_(configuration.wheel.use && configuration.wheel.source == "can"),
       shared_clock_(configuration.lidar.clock == configuration::SensorClock::kShared),
       gnss_enabled_(configuration.gnss.is_serial() || configuration.gnss.is_velodyne()),
+      imu_offset_s_(to_seconds(configuration.odometry.imu_offset)),
+      T_base_imu_(resolved_odometry(configuration).T_base_imu),
       started_(started) {}
 
 void HealthMonitor::Rate::update(std::uint64_t new_count, Stamp now) {
@@ -198,6 +201,9 @@ void HealthMonitor::add_odometry_causes(const Pipeline& pipeline, Stamp now, Say
   } else if (hears(receive.lidar, now) && waits_for_scan(odometry, now)) {
     say(odometry::name_of(odometry::Cause::kNoLidar));
   }
+  for (const std::string& complaint : calibration::complaints(odometry.agreement, imu_offset_s_, T_base_imu_)) {
+    say(complaint);
+  }
 }
 
 bus::Health HealthMonitor::read(const Pipeline& pipeline, Stamp now, const std::string& device_cause) {
@@ -265,6 +271,10 @@ bus::Health HealthMonitor::read(const Pipeline& pipeline, Stamp now, const std::
                                          : static_cast<float>(odometry.swarm_won) / static_cast<float>(odometry.scans);
   health.particles = odometry.particles;
   health.inlier_share = static_cast<float>(odometry.inlier_ratio);
+  if (const calibration::LidarImuAgreement& agreement = odometry.agreement.lidar_imu; agreement.known) {
+    health.imu_offset_ms = static_cast<float>(1e3 * agreement.offset_s.value);
+    health.imu_offset_std_ms = static_cast<float>(1e3 * agreement.offset_s.std);
+  }
   return health;
 }
 

@@ -38,6 +38,8 @@ class HealthMonitor {
   bool wheels_enabled_;
   bool shared_clock_;
   bool gnss_enabled_;
+  double imu_offset_s_;       // as configured
+  geometry::Se3 T_base_imu_;  // likewise
   Stamp started_;
   Rate scans_;
   Rate samples_;

@@ -9,6 +9,8 @@ namespace {
 /// Of the map, copied between two scans: 0.8 MB.
 constexpr std::size_t kCellsAtOnce = 1024;
 
+constexpr std::uint64_t kScansAnAgreement = 10;
+
 }  // namespace
 
 void OdometryLoop::run_once(Duration longest) {
@@ -56,6 +58,9 @@ void OdometryLoop::process(JobPool::Handle job) {
   counts_.weak_axes = result.weak_axes;
   counts_.weak_axes_base = result.weak_axes_base;
   counts_.inlier_ratio = result.update.inlier_ratio;
+  if (counts_.scans % kScansAnAgreement == 0) {
+    counts_.agreement = odometry.agreement();
+  }
   counts_.last = result.stamp;
   counts_.epoch = job->scan.epoch;
   shown_.store(counts_);

@@ -24,6 +24,7 @@ struct OdometryCounts {
   std::uint8_t weak_axes = 0;
   std::uint8_t weak_axes_base = 0;
   double inlier_ratio = 0.0;
+  calibration::SensorAgreement agreement;  // of a scan in ten
   Stamp last{};                     // end of the last scan
   std::uint32_t epoch = 0;          // of the last scan's odom; 0: none yet
 };

@@ -63,7 +63,8 @@ void PoseStage::add_anchor(const Anchor& anchor) {
   blend_begin_ = state_.stamp;
 }
 
-std::optional<PredictedPose> PoseStage::add_imu(const ImuSample& sample) {
+std::optional<PredictedPose> PoseStage::add_imu(ImuSample sample) {
+  sample.stamp -= config_.imu_offset;
   const bool had_one = !imu_.empty();
   const ImuSample before = had_one ? imu_.newest() : sample;
   if (!imu_.push(sample) || !has_anchor_) {

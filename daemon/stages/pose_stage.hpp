@@ -54,7 +54,7 @@ class PoseStage {
   void add_anchor(const Anchor& anchor);
 
   /// Takes an inertial sample in; returns the pose there, once there is an anchor.
-  std::optional<PredictedPose> add_imu(const sensor::ImuSample& sample);
+  std::optional<PredictedPose> add_imu(sensor::ImuSample sample);
 
   /// Returns the pose at the anchor itself: what goes out where no inertial sensor says more.
   std::optional<PredictedPose> at_anchor() const;

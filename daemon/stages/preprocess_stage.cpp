@@ -54,7 +54,8 @@ PreprocessStage::PreprocessStage(const odometry::OdometryConfig& config)
       motion_(config.preprocess.longest_scan),
       preprocessor_(config.preprocess) {}
 
-void PreprocessStage::add_imu(const ImuSample& sample) {
+void PreprocessStage::add_imu(ImuSample sample) {
+  sample.stamp -= config_.imu_offset;
   if (!config_.use_imu || !imu_.push(sample)) {
     return;
   }

@@ -51,7 +51,7 @@ class PreprocessStage {
   explicit PreprocessStage(const odometry::OdometryConfig& config);
 
   /// Takes an inertial sample in; levels odom with the first ones.
-  void add_imu(const sensor::ImuSample& sample);
+  void add_imu(sensor::ImuSample sample);
 
   /// Hands a sample of the wheels on, with the next scan.
   void add_wheel(const sensor::WheelSample& sample);

@@ -56,6 +56,33 @@ ordered_json json_of(const GnssSummary& gnss) {
   return object;
 }
 
+double degrees(double rad) { return std::round(1e3 * rad * 180.0 / M_PI) / 1e3; }
+
+/// Null where the drive has not shown it.
+ordered_json json_of(const calibration::LidarImuAgreement& agreement) {
+  ordered_json object;
+  object["windows"] = agreement.windows;
+  const auto ms = [](double s) { return std::round(1e6 * s) / 1e3; };
+  object["offset_ms"] = agreement.known ? ordered_json(ms(agreement.offset_s.value)) : ordered_json();
+  object["offset_std_ms"] = agreement.windows > 0 ? ordered_json(ms(agreement.offset_s.std)) : ordered_json();
+  for (const calibration::Estimate& about : agreement.rotation_rad) {
+    object["rotation_deg"].push_back(agreement.known ? ordered_json(degrees(about.value)) : ordered_json());
+    object["rotation_std_deg"].push_back(agreement.windows > 0 ? ordered_json(degrees(about.std)) : ordered_json());
+  }
+  return object;
+}
+
+ordered_json json_of(const calibration::GravityAgreement& agreement) {
+  ordered_json object;
+  object["way_m"] = std::round(10.0 * agreement.way_m) / 10.0;
+  const auto angle = [&](double rad) { return agreement.known ? ordered_json(degrees(rad)) : ordered_json(); };
+  object["roll_deg"] = angle(agreement.roll_rad.value);
+  object["roll_std_deg"] = angle(agreement.roll_rad.std);
+  object["pitch_deg"] = angle(agreement.pitch_rad.value);
+  object["pitch_std_deg"] = angle(agreement.pitch_rad.std);
+  return object;
+}
+
 ordered_json json_of(const TimeSummary& times) {
   const auto rounded = [](double ms) { return std::round(1e3 * ms) / 1e3; };
   return {{"median", rounded(times.median)}, {"p95", rounded(times.p95)}, {"p99", rounded(times.p99)}, {"max", rounded(times.max)}};
@@ -219,6 +246,8 @@ std::string report_json(const Recording& recording, const Run& run, const std::s
     const double tilt_rad = std::atan2(last.up_odom.head<2>().norm(), last.up_odom.z());
     report["gravity"] = {{"odom_tilt_deg", tilt_rad * 180.0 / M_PI}, {"std_deg", last.up_std_rad * 180.0 / M_PI}};
   }
+  report["lidar_imu"] = json_of(run.agreement.lidar_imu);
+  report["lean"] = json_of(run.agreement.gravity);
   if (!accuracy.empty()) {
     report["accuracy"] = ordered_json::parse(accuracy);
   }

@@ -3,6 +3,7 @@
 #include <chrono>
 #include <ctime>
 
+#include "core/calibration/words.hpp"
 #include "daemon/stages/waiting_scan.hpp"
 #include "drivers/clouds/point_folder.hpp"
 #include "drivers/recording/pcap_reader.hpp"
@@ -126,7 +127,7 @@ class Player {
  public:
   Player(const configuration::Configuration& configuration, ImuSource imu, WheelFeed wheels,
          const Sinks& sinks)
-      : sinks_(sinks), front_end_(resolved_odometry(configuration)), imu_(std::move(imu)), wheels_(std::move(wheels)),
+      : sinks_(sinks), config_(resolved_odometry(configuration)), front_end_(config_), imu_(std::move(imu)), wheels_(std::move(wheels)),
         waiting_(configuration.odometry.preprocess.max_points) {}
 
   /// Lets time pass: inertial samples up to `now` arrive, and a waiting scan goes when it can.
@@ -172,6 +173,8 @@ class Player {
     run_.wheel.emplace_back("used", wheels.counts().used);
     run_.wheel.emplace_back("slipped", wheels.counts().slipped);
     run_.alignment = front_end_.alignment();
+    run_.agreement = front_end_.odometry().agreement();
+    run_.remarks = calibration::complaints(run_.agreement, to_seconds(config_.imu_offset), config_.T_base_imu);
     return std::move(run_);
   }
 
@@ -194,6 +197,7 @@ class Player {
   }
 
   const Sinks& sinks_;
+  odometry::OdometryConfig config_;
   stages::FrontEnd front_end_;
   ImuSource imu_;
   WheelFeed wheels_;
@@ -240,7 +244,8 @@ Run play_packets(const configuration::Configuration& configuration, ImuSource im
   Run run = player.finish();
   run.packets = packets.packets();
   run.blocks = stages::named_counts(assembler.counts());
-  run.remarks = packets.remarks();
+  const std::vector<std::string> remarks = packets.remarks();
+  run.remarks.insert(run.remarks.begin(), remarks.begin(), remarks.end());
   if (configuration.gnss.is_velodyne()) {
     run.gnss = gnss_summary(packets.gnss_stage());
   }

@@ -34,6 +34,7 @@ struct Run {
   std::vector<std::string> remarks;
   sensor::ClockHealth clock;
   std::optional<inertial::Alignment> alignment;
+  calibration::SensorAgreement agreement;  // what the drive has shown of the sensors' places and clocks
   double wall_s = 0.0;
   double recording_s = 0.0;
 };

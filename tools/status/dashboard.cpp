@@ -103,6 +103,10 @@ void draw_health(const bus::Health& health, std::vector<std::string>& lines) {
   lines.push_back(line("weak axes %s   swarm %.0f %% of scans, %u particles   inliers %.0f %%", axes_of(health.weak_axes).c_str(),
                        100.0 * static_cast<double>(health.swarm_use), health.particles,
                        100.0 * static_cast<double>(health.inlier_share)));
+  if (health.imu_offset_std_ms > 0.0F) {
+    lines.push_back(line("imu stamps %+.1f ms against the lidar's (1σ %.1f ms)", static_cast<double>(health.imu_offset_ms),
+                         static_cast<double>(health.imu_offset_std_ms)));
+  }
   std::string pools;
   for (const auto& pool : health.pools) {
     pools += line("  %s %u/%u", of(pool.name.view()).c_str(), pool.low_water, pool.capacity);

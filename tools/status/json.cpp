@@ -53,6 +53,8 @@ Json of(const bus::Health& health) {
               {"swarm_use", health.swarm_use},
               {"particles", health.particles},
               {"inlier_share", health.inlier_share},
+              {"imu_offset_ms", health.imu_offset_std_ms > 0.0F ? Json(health.imu_offset_ms) : Json(nullptr)},
+              {"imu_offset_std_ms", health.imu_offset_std_ms > 0.0F ? Json(health.imu_offset_std_ms) : Json(nullptr)},
               {"sensors", Json::array()},
               {"stages", Json::array()},
               {"pools", Json::array()},

@@ -169,6 +169,8 @@ TEST(Encoding, GivesTheHealthBack) {
   EXPECT_EQ(again->sensors.back().time_residual_us, 40.0F);
   EXPECT_EQ(again->sensors.back().time_skew_ppm, -12.0F);
   EXPECT_EQ(again->sensors.back().time_steps, 5U);
+  EXPECT_EQ(again->imu_offset_ms, -2.5F);
+  EXPECT_EQ(again->imu_offset_std_ms, 0.25F);
   ASSERT_EQ(again->stages.size(), health.stages.capacity());
   EXPECT_EQ(again->stages.back().p50_us, 1.0F);
   EXPECT_EQ(again->stages.back().p99_us, 2.0F);

@@ -39,6 +39,8 @@ inline Health full_health() {
   health.swarm_use = 0.25F;
   health.particles = 64;
   health.inlier_share = 0.75F;
+  health.imu_offset_ms = -2.5F;
+  health.imu_offset_std_ms = 0.25F;
   while (health.causes.try_push_back(std::string(200, 'c'))) {
   }
   while (health.sensors.try_push_back({.name = std::string(200, 's'),
