@@ -1,0 +1,158 @@
+#include "tools/sensors/listening.hpp"
+
+#include <algorithm>
+
+#include <poll.h>
+
+#include "drivers/livox/sdk1_host.hpp"
+#include "drivers/livox/sdk2_frame.hpp"
+#include "drivers/livox/sdk2_host.hpp"
+#include "drivers/livox/sdk2_setup.hpp"
+#include "tools/sensors/places.hpp"
+
+namespace slamd::sensors {
+
+namespace {
+
+using Kind = UdpPlace::Kind;
+
+struct KnownPort {
+  std::uint16_t port;
+  const char* purpose;
+  Kind kind;
+};
+
+/// Where sensors speak that are set as they come, or as slamd sets them.
+constexpr KnownPort kPorts[] = {
+    {2368, "points of a Velodyne", Kind::kData},
+    {8308, "position packets of a Velodyne", Kind::kData},
+    {56001, "points and inertial samples of an Avia", Kind::kData},
+    {56201, "the state of a Mid-360", Kind::kData},
+    {56301, "points of a Mid-360", Kind::kData},
+    {56401, "inertial samples of a Mid-360", Kind::kData},
+    {livox::Sdk1Host::kBroadcastPort, "broadcasts of Livox SDK1 devices", Kind::kBroadcasts},
+    {livox::Sdk2Host::kDiscoveryPort, "other hosts' searches for Livox SDK2 devices", Kind::kAnswers},
+};
+
+}  // namespace
+
+Listening::Listening(const ListeningConfig& config, const transport::HostClock& clock)
+    : config_(config), clock_(clock), began_(clock.now()), interfaces_(transport::interfaces()) {
+  for (const KnownPort& known : kPorts) {
+    ports_.push_back(std::make_unique<UdpPlace>(known.port, known.purpose, known.kind, clock_));
+  }
+  searching_ = ports_.back().get();
+  if (!searching_->is_open()) {
+    // What is answered to that port belongs to whoever has it; devices answer to the port that asks.
+    ports_.push_back(std::make_unique<UdpPlace>(0, "answers of Livox SDK2 devices", Kind::kBroadcasts, clock_));
+    searching_ = ports_.back().get();
+  }
+  for (const std::uint16_t port : config_.ports) {
+    if (std::none_of(ports_.begin(), ports_.end(), [&](const auto& place) { return place->port() == port; })) {
+      ports_.push_back(std::make_unique<UdpPlace>(port, "packets", Kind::kData, clock_));
+    }
+  }
+  find_places();
+  search();
+}
+
+void Listening::find_places() {
+  std::vector<std::string> serial = config_.serial;
+  if (config_.finds_serial) {
+    const std::vector<std::string> adapters = serial_adapters();
+    serial.insert(serial.end(), adapters.begin(), adapters.end());
+  }
+  for (const std::string& device : serial) {
+    if (std::none_of(lines_.begin(), lines_.end(), [&](const auto& line) { return line->device() == device; })) {
+      lines_.push_back(std::make_unique<SerialPlace>(device, config_.asks, clock_.now()));
+    }
+  }
+  std::vector<std::string> can = config_.can;
+  const std::vector<std::string> interfaces = can_interfaces();
+  can.insert(can.end(), interfaces.begin(), interfaces.end());
+  for (const std::string& interface : can) {
+    if (std::none_of(buses_.begin(), buses_.end(), [&](const auto& bus) { return bus->interface() == interface; })) {
+      buses_.push_back(std::make_unique<BusPlace>(interface, clock_));
+    }
+  }
+}
+
+/// As every host of SDK2 devices does, once a second; and, where that is allowed, what those are set to that were found.
+void Listening::search() {
+  const auto write = [&](livox::Sdk2Command command, std::span<const std::byte> payload) {
+    return livox::write_sdk2_frame({++questions_, command, false, false, payload});
+  };
+  searching_->send(write(livox::Sdk2Command::kDiscovery, {}).view(), transport::kBroadcastAddress, livox::Sdk2Host::kDiscoveryPort);
+  if (config_.asks) {
+    for (const livox::Endpoint& device : network_.sdk2_devices()) {
+      const livox::Payload question = livox::sdk2_question(livox::kSdk2StateKeys);
+      searching_->send(write(livox::Sdk2Command::kGetParameters, question.view()).view(), device.address, device.port);
+    }
+  }
+}
+
+void Listening::run_once(Duration longest) {
+  std::vector<pollfd> entries;
+  const auto add = [&](int fd) {
+    if (fd >= 0) {
+      entries.push_back({fd, POLLIN, 0});
+    }
+  };
+  for (const auto& port : ports_) {
+    add(port->fd());
+  }
+  for (const auto& line : lines_) {
+    add(line->fd());
+  }
+  for (const auto& bus : buses_) {
+    add(bus->fd());
+  }
+  poll(entries.data(), entries.size(), static_cast<int>(std::chrono::duration_cast<std::chrono::milliseconds>(longest).count()));
+  for (const auto& port : ports_) {
+    port->run_once(network_, interfaces_);
+  }
+  for (const auto& line : lines_) {
+    line->run_once(clock_.now());
+  }
+  for (const auto& bus : buses_) {
+    bus->run_once();
+  }
+}
+
+void Listening::end_second() {
+  interfaces_ = transport::interfaces();
+  network_.end_second();
+  for (const auto& port : ports_) {
+    port->end_second();
+    port->attend();
+  }
+  for (const auto& line : lines_) {
+    line->end_second();
+  }
+  for (const auto& bus : buses_) {
+    bus->end_second();
+    bus->attend();
+  }
+  find_places();
+  search();
+}
+
+Seen Listening::seen() const {
+  Seen seen;
+  seen.listened_s = to_seconds(clock_.now() - began_);
+  seen.asked = config_.asks;
+  seen.interfaces = interfaces_;
+  for (const auto& port : ports_) {
+    seen.ports.push_back(port->seen());
+  }
+  network_.show(clock_.now(), seen);
+  for (const auto& line : lines_) {
+    seen.lines.push_back(line->seen());
+  }
+  for (const auto& bus : buses_) {
+    seen.buses.push_back(bus->seen());
+  }
+  return seen;
+}
+
+}  // namespace slamd::sensors
