@@ -71,6 +71,16 @@ std::string owner_of_port(std::uint16_t port) {
   return holder.empty() ? "another process" : holder;
 }
 
+std::string other_owner_of_port(std::uint16_t port) {
+  std::vector<std::string> links = sockets_on(port);
+  std::erase_if(links, [](const std::string& link) { return holds_any("/proc/self", {link}); });
+  if (links.empty()) {
+    return "";
+  }
+  const std::string holder = holder_of(links);
+  return holder.empty() ? "another process" : holder;
+}
+
 std::string owner_of_terminal(const std::string& device) {
   std::error_code absent;
   const fs::path path = fs::canonical(device, absent);

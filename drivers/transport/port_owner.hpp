@@ -11,6 +11,9 @@ namespace slamd::transport {
 /// the processes of other users; empty: none has.
 std::string owner_of_port(std::uint16_t port);
 
+/// Names a process other than this one that has bound a UDP port, which this one may have bound, too; in the same words.
+std::string other_owner_of_port(std::uint16_t port);
+
 /// Names another process that has a terminal open, in the same words; empty: none is seen to.
 std::string owner_of_terminal(const std::string& device);
 

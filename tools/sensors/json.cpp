@@ -129,6 +129,10 @@ Json list(const Items& items) {
 std::string to_json(const Seen& seen, const std::vector<Remark>& remarks) {
   Json result{{"listened_s", seen.listened_s}, {"lidars", list(seen.lidars)}, {"lines", list(seen.lines)},
               {"buses", list(seen.buses)},     {"ports", list(seen.ports)},   {"remarks", Json::array()}};
+  for (const AviaSeen& avia : seen.avias) {
+    constexpr const char* kAnswers[] = {"not_asked", "none", "refusal", "consent"};
+    result["avias"].push_back({{"address", dotted(avia.address)}, {"answer", kAnswers[static_cast<std::size_t>(avia.answer)]}});
+  }
   for (const Remark& remark : remarks) {
     result["remarks"].push_back({{"about", remark.about}, {"words", remark.words}});
   }

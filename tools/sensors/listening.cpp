@@ -8,11 +8,16 @@
 #include "drivers/livox/sdk2_frame.hpp"
 #include "drivers/livox/sdk2_host.hpp"
 #include "drivers/livox/sdk2_setup.hpp"
+#include "drivers/transport/port_owner.hpp"
+#include "drivers/transport/transport_error.hpp"
 #include "tools/sensors/places.hpp"
+#include "tools/sensors/remarks.hpp"
 
 namespace slamd::sensors {
 
 namespace {
+
+constexpr int kMostAtOnce = 512;  // whatever floods the network, others have their turn
 
 using Kind = UdpPlace::Kind;
 
@@ -51,6 +56,14 @@ Listening::Listening(const ListeningConfig& config, const transport::HostClock& 
     if (std::none_of(ports_.begin(), ports_.end(), [&](const auto& place) { return place->port() == port; })) {
       ports_.push_back(std::make_unique<UdpPlace>(port, "packets", Kind::kData, clock_));
     }
+  }
+  try {
+    wire_ = std::make_unique<transport::WireListener>();
+  } catch (const transport::TransportError&) {
+    // seen() says so
+  }
+  for (const std::uint32_t address : config_.avias) {
+    avias_.emplace_back(address);
   }
   find_places();
   search();
@@ -91,6 +104,62 @@ void Listening::search() {
   }
 }
 
+void Listening::ask_avias() {
+  if (avias_.empty()) {
+    return;
+  }
+  // A program that keeps an Avia hears these broadcasts. A handshake in this host's name would take its device away.
+  const std::string host = transport::other_owner_of_port(livox::Sdk1Host::kBroadcastPort);
+  hindrance_ = host.empty() ? "" : host + " on this computer looks for such devices, and may have it";
+  if (!hindrance_.empty()) {
+    return;
+  }
+  if (!avia_socket_) {
+    avia_socket_ = std::make_unique<transport::DatagramSocket>(0);
+  }
+  for (AviaQuestion& avia : avias_) {
+    for (const transport::Interface& interface : interfaces_) {
+      if (is_in_own_subnet(avia.address(), {interface})) {
+        send_to_avia(avia.question(interface.address, avia_socket_->port()), avia.address());
+        break;
+      }
+    }
+  }
+}
+
+void Listening::send_to_avia(const livox::FrameBytes& bytes, std::uint32_t address) {
+  if (!bytes.empty()) {
+    avia_socket_->send(bytes.view(), address, AviaQuestion::kDevicePort);
+  }
+}
+
+void Listening::hear_avias() {
+  for (int i = 0; avia_socket_ && i < kMostAtOnce; ++i) {
+    const auto datagram = avia_socket_->receive();
+    if (!datagram) {
+      return;
+    }
+    for (AviaQuestion& avia : avias_) {
+      if (avia.address() == datagram->address) {
+        send_to_avia(avia.take(datagram->payload), avia.address());
+      }
+    }
+  }
+}
+
+/// What comes from this host's own subnets the kernel delivers to the ports.
+void Listening::hear_wire() {
+  for (int i = 0; wire_ && i < kMostAtOnce; ++i) {
+    const auto datagram = wire_->receive();
+    if (!datagram) {
+      return;
+    }
+    if (!is_in_own_subnet(datagram->source_address, interfaces_)) {
+      beyond_.take({datagram->payload, datagram->source_address, datagram->destination_port, clock_.now()}, interfaces_);
+    }
+  }
+}
+
 void Listening::run_once(Duration longest) {
   std::vector<pollfd> entries;
   const auto add = [&](int fd) {
@@ -107,10 +176,14 @@ void Listening::run_once(Duration longest) {
   for (const auto& bus : buses_) {
     add(bus->fd());
   }
+  add(wire_ ? wire_->fd() : -1);
+  add(avia_socket_ ? avia_socket_->fd() : -1);
   poll(entries.data(), entries.size(), static_cast<int>(std::chrono::duration_cast<std::chrono::milliseconds>(longest).count()));
   for (const auto& port : ports_) {
     port->run_once(network_, interfaces_);
   }
+  hear_wire();
+  hear_avias();
   for (const auto& line : lines_) {
     line->run_once(clock_.now());
   }
@@ -122,6 +195,7 @@ void Listening::run_once(Duration longest) {
 void Listening::end_second() {
   interfaces_ = transport::interfaces();
   network_.end_second();
+  beyond_.end_second();
   for (const auto& port : ports_) {
     port->end_second();
     port->attend();
@@ -135,6 +209,7 @@ void Listening::end_second() {
   }
   find_places();
   search();
+  ask_avias();
 }
 
 Seen Listening::seen() const {
@@ -146,6 +221,14 @@ Seen Listening::seen() const {
     seen.ports.push_back(port->seen());
   }
   network_.show(clock_.now(), seen);
+  beyond_.show(clock_.now(), seen);
+  seen.hears_wire = wire_ != nullptr;
+  for (const AviaQuestion& avia : avias_) {
+    const bool is_reached = is_in_own_subnet(avia.address(), interfaces_);
+    seen.avias.push_back({avia.address(), avia.answer(), !is_reached           ? "it is of another subnet than this host"
+                                                                 : hindrance_.empty() ? "there was no time yet"
+                                                                                      : hindrance_});
+  }
   for (const auto& line : lines_) {
     seen.lines.push_back(line->seen());
   }

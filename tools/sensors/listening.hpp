@@ -7,6 +7,8 @@
 
 #include "core/base/stamp.hpp"
 #include "drivers/transport/host_clock.hpp"
+#include "drivers/transport/wire_listener.hpp"
+#include "tools/sensors/avia_question.hpp"
 #include "tools/sensors/bus_place.hpp"
 #include "tools/sensors/network_watch.hpp"
 #include "tools/sensors/seen.hpp"
@@ -20,6 +22,7 @@ struct ListeningConfig {
   std::vector<std::string> serial;         // lines, beside the adapters that are plugged in
   std::vector<std::string> can;            // interfaces, beside those that the kernel has
   bool finds_serial = true;                // listens to adapters as they are plugged in
+  std::vector<std::uint32_t> avias;        // to be asked whether they have a host; addresses in host order
   bool asks = false;                       // devices that were found, and those on serial lines, for more than they say
 };
 
@@ -41,6 +44,10 @@ class Listening {
  private:
   void find_places();
   void search();
+  void ask_avias();
+  void hear_avias();
+  void send_to_avia(const livox::FrameBytes& bytes, std::uint32_t address);
+  void hear_wire();
 
   ListeningConfig config_;
   transport::HostClock clock_;
@@ -48,6 +55,11 @@ class Listening {
   std::vector<transport::Interface> interfaces_;
   NetworkWatch network_;
   std::vector<std::unique_ptr<UdpPlace>> ports_;
+  std::unique_ptr<transport::WireListener> wire_;  // nullptr: it must not be listened to
+  NetworkWatch beyond_;                            // of the wire: what is of no subnet of this host
+  std::vector<AviaQuestion> avias_;
+  std::unique_ptr<transport::DatagramSocket> avia_socket_;
+  std::string hindrance_;  // why no Avia is asked
   UdpPlace* searching_ = nullptr;  // of ports_: from which SDK2 devices are asked
   std::vector<std::unique_ptr<SerialPlace>> lines_;
   std::vector<std::unique_ptr<BusPlace>> buses_;

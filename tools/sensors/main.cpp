@@ -11,6 +11,7 @@
 #include <CLI/CLI.hpp>
 
 #include "daemon/configuration/loader.hpp"
+#include "drivers/transport/udp_receiver.hpp"
 #include "tools/cli/cli.hpp"
 #include "tools/cli/interrupts.hpp"
 #include "tools/sensors/json.hpp"
@@ -32,6 +33,7 @@ struct Options {
   std::string write;
   bool force = false;
   bool no_serial = false;
+  std::vector<std::string> avias;
   sensors::ListeningConfig listening;
 };
 
@@ -47,6 +49,7 @@ void declare(CLI::App& app, Options& options) {
   app.add_option("--can", options.listening.can, "A CAN interface to listen to, beside those that are there")->type_name("INTERFACE");
   app.add_option("--port", options.listening.ports, "A UDP port to listen at, beside the sensors' own")->type_name("PORT");
   app.add_flag("--ask", options.listening.asks, "Ask, too: a Mid-360 where it sends to, and what is mute on serial lines who it is");
+  app.add_option("--ask-avia", options.avias, "Ask the Avia at this address whether it has a host: one that has none is let go at once")->type_name("ADDRESS");
   app.footer("It listens: no device is held or set, and no line taken from slamd. Only who has a Livox SDK2 device is asked.\n"
              "Exit: 0 something was found; 1 nothing was, or --write could not be done; 2 bad usage or configuration.");
 }
@@ -92,6 +95,13 @@ int run(const Options& options) {
   }
   sensors::ListeningConfig config = options.listening;
   config.finds_serial = !options.no_serial;
+  for (const std::string& avia : options.avias) {
+    const auto address = transport::parse_address(avia);
+    if (!address) {
+      throw cli::UsageError("--ask-avia " + avia + ": must be an IPv4 address with dots");
+    }
+    config.avias.push_back(*address);
+  }
   const transport::HostClock clock;
   sensors::Listening listening(config, clock);
   const bool is_terminal = isatty(STDOUT_FILENO) != 0;

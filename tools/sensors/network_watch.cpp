@@ -155,10 +155,15 @@ std::vector<livox::Endpoint> NetworkWatch::sdk2_devices() const {
 
 void NetworkWatch::show(Stamp now, Seen& seen) const {
   for (const auto& lidar : lidars_) {
-    seen.lidars.push_back(lidar->seen(now));
+    const bool is_there = std::any_of(seen.lidars.begin(), seen.lidars.end(), [&](const LidarSeen& other) {
+      return other.protocol == lidar->protocol() && other.address == lidar->address();
+    });
+    if (!is_there) {
+      seen.lidars.push_back(lidar->seen(now));
+    }
   }
-  seen.searchers = searchers_;
-  seen.left_out = left_out_;
+  seen.searchers.insert(seen.searchers.end(), searchers_.begin(), searchers_.end());
+  seen.left_out += left_out_;
 }
 
 }  // namespace slamd::sensors

@@ -28,7 +28,7 @@ class NetworkWatch {
   /// Where the SDK2 devices that were found take questions.
   std::vector<livox::Endpoint> sdk2_devices() const;
 
-  /// Fills in lidars, searchers and left_out.
+  /// Adds the lidars that are not in `seen` yet, searchers and left_out.
   void show(Stamp now, Seen& seen) const;
 
  private:

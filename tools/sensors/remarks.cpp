@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "drivers/livox/sdk1_host.hpp"
 #include "drivers/livox/status_code.hpp"
 #include "drivers/transport/udp_receiver.hpp"
 #include "tools/sensors/gravity.hpp"
@@ -35,10 +36,11 @@ std::string rounded(double value) {
   return text;
 }
 
-std::string owners_of_livox_ports(const Seen& seen) {
+/// Who else on this computer hears the broadcasts of SDK1 devices, as each of their hosts does.
+std::string other_sdk1_host(const Seen& seen) {
   for (const PortSeen& port : seen.ports) {
-    if (!port.owner.empty() && port.purpose.find("Avia") != std::string::npos) {
-      return port.owner;
+    if (port.port == livox::Sdk1Host::kBroadcastPort) {
+      return port.beside.empty() ? port.owner : port.beside;
     }
   }
   return "";
@@ -80,7 +82,7 @@ void judge_holder(const LidarSeen& lidar, const Seen& seen, Remarks& remarks) {
   const bool sends_here = lidar.packets.last_second > 0;
   const bool fell_silent = lidar.broadcasts.total > 0 && lidar.silent_s > kSilent_s;
   if (lidar.protocol == LidarProtocol::kSdk1 && fell_silent && !sends_here) {
-    const std::string owner = owners_of_livox_ports(seen);
+    const std::string owner = other_sdk1_host(seen);
     remarks.push_back({name_of(lidar), "looks for no host any more: " + (owner.empty() ? "another host owns it, or it is off" :
                                                                           "it belongs to " + owner + " on this computer, to another host, or is off")});
   }
@@ -99,6 +101,16 @@ void judge_holder(const LidarSeen& lidar, const Seen& seen, Remarks& remarks) {
       remarks.push_back({name_of(lidar), "is set to send to another host, " + dotted(*lidar.sends_to) +
                                              ": slamd takes it from that one, unless lidar.device.take_over is false"});
     }
+  }
+}
+
+void judge_avia(const AviaSeen& avia, Remarks& remarks) {
+  const std::string name = "Livox SDK1 device at " + dotted(avia.address);
+  switch (avia.answer) {
+    case AviaAnswer::kNotAsked: remarks.push_back({name, "is not asked: " + avia.hindrance}); break;
+    case AviaAnswer::kNone: remarks.push_back({name, "does not answer: it is off, or not there"}); break;
+    case AviaAnswer::kRefusal: remarks.push_back({name, "refuses this host: another one owns it"}); break;
+    case AviaAnswer::kConsent: remarks.push_back({name, "had no host; it was let go again"}); break;
   }
 }
 
@@ -237,6 +249,12 @@ std::vector<Remark> remarks_of(const Seen& seen, const std::optional<Configurati
       const bool is_meant = knows && configuration->imu.source == "livox" && lidar.protocol == protocol_of(configuration->lidar.model);
       judge_inertial(name_of(lidar), *lidar.imu, for_source(is_meant), "lidar.T_base_lidar", remarks);
     }
+  }
+  for (const AviaSeen& avia : seen.avias) {
+    judge_avia(avia, remarks);
+  }
+  if (!seen.hears_wire && seen.lidars.empty()) {
+    remarks.push_back({"network", "no LiDAR is heard, and one of another subnet may be there: hearing what the kernel drops takes root, or CAP_NET_RAW"});
   }
   for (const std::uint32_t searcher : seen.searchers) {
     remarks.push_back({dotted(searcher), "another host looks for Livox SDK2 devices, and may take them"});

@@ -113,11 +113,27 @@ struct BusSeen {
   InertialSeen aceinna;  // by the axis map "y,x,z"
 };
 
+/// What an Avia says to whoever would be its host.
+enum class AviaAnswer : std::uint8_t {
+  kNotAsked,
+  kNone,     // not yet, or no more
+  kRefusal,  // it has a host
+  kConsent,  // it had none, and was let go again
+};
+
+/// An Avia that was asked.
+struct AviaSeen {
+  std::uint32_t address = 0;  // host order
+  AviaAnswer answer = AviaAnswer::kNotAsked;
+  std::string hindrance;  // why it is not asked
+};
+
 /// A UDP port at which sensors are listened for.
 struct PortSeen {
   std::uint16_t port = 0;
   std::string purpose;
   std::string owner;    // who has it, so that nothing is heard here; empty: it is listened to
+  std::string beside;   // who listens to it, too
   std::string buffer;   // what is wrong with its receive buffer
   Count datagrams;
   Count strange;        // that are no sensor's
@@ -128,11 +144,12 @@ struct PortSeen {
 /// All of it.
 struct Seen {
   double listened_s = 0.0;
-  bool listens_to_network = true;
+  bool hears_wire = true;  // also what the kernel drops
   bool asked = false;
   std::vector<transport::Interface> interfaces;  // of this host
   std::vector<PortSeen> ports;
   std::vector<LidarSeen> lidars;
+  std::vector<AviaSeen> avias;
   std::vector<std::uint32_t> searchers;  // other hosts that look for SDK2 devices
   std::vector<LineSeen> lines;
   std::vector<BusSeen> buses;

@@ -21,6 +21,9 @@ UdpPlace::UdpPlace(std::uint16_t port, std::string purpose, Kind kind, const tra
 }
 
 void UdpPlace::attend() {
+  if (kind_ == Kind::kBroadcasts && seen_.port != 0) {
+    seen_.beside = transport::other_owner_of_port(seen_.port);
+  }
   if (is_open()) {
     return;
   }

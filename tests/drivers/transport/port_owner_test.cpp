@@ -34,6 +34,31 @@ TEST(PortOwner, NamesNobodyForAPortThatIsFree) {
   EXPECT_EQ(owner_of_port(port), "");
 }
 
+TEST(PortOwner, NamesWhoElseHasAPort) {
+  const DatagramSocket own(0, DatagramSocket::Sharing::kWithOthers);
+  EXPECT_EQ(other_owner_of_port(own.port()), "");
+  int bound[2];
+  ASSERT_EQ(pipe(bound), 0);
+  const pid_t child = fork();
+  if (child == 0) {
+    close(own.fd());  // else it holds this process's socket
+    const DatagramSocket other(own.port(), DatagramSocket::Sharing::kWithOthers);
+    (void)!write(bound[1], "x", 1);
+    pause();
+    _exit(0);
+  }
+  char byte = 0;
+  ASSERT_EQ(read(bound[0], &byte, 1), 1);
+
+  const std::string sut = other_owner_of_port(own.port());
+  kill(child, SIGKILL);
+  waitpid(child, nullptr, 0);
+
+  EXPECT_NE(sut.find("(pid " + std::to_string(child) + ")"), std::string::npos) << sut;
+  close(bound[0]);
+  close(bound[1]);
+}
+
 TEST(PortOwner, NamesAnotherProcessThatHasATerminalOpen) {
   const int terminal = posix_openpt(O_RDWR | O_NOCTTY);
   ASSERT_EQ(grantpt(terminal), 0);

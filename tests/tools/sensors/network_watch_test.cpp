@@ -126,6 +126,18 @@ TEST_F(NetworkWatchTest, TellsSensorsOfOneAddressApart) {
   EXPECT_EQ(seen().lidars[0].packets.total, 2U);
 }
 
+TEST_F(NetworkWatchTest, AddsOnlyWhatIsNotSeenYet) {
+  take(sdk1_broadcast("3JEDK380010Z391"), 55000);
+  take(sdk1_broadcast("3JEDK380010Z392"), 55000, 0xC0A80132);
+  Seen seen;
+  seen.lidars = {this->seen().lidars[0]};
+
+  sut_.show(kBegin, seen);
+
+  ASSERT_EQ(seen.lidars.size(), 2U);
+  EXPECT_EQ(seen.lidars[1].address, 0xC0A80132U);
+}
+
 TEST_F(NetworkWatchTest, TakesNothingFromStrangers) {
   EXPECT_FALSE(take({}, 2368));
   EXPECT_FALSE(take(text_bytes("hello"), 2368));

@@ -42,7 +42,7 @@ TEST(Remarks, NameTheSubnetsWhenASensorIsOfAnotherOne) {
 
 TEST(Remarks, NameWhoHasAPort) {
   Seen seen = made_seen();
-  seen.ports = {{.port = 2368, .purpose = "points of a Velodyne", .owner = "slamd (pid 12)", .buffer = {}, .datagrams = {}, .strange = {}}};
+  seen.ports = {{.port = 2368, .purpose = "points of a Velodyne", .owner = "slamd (pid 12)", .beside = {}, .buffer = {}, .datagrams = {}, .strange = {}}};
 
   EXPECT_THAT(words_for(seen), HasSubstr("! UDP port 2368: is taken by slamd (pid 12): points of a Velodyne are not heard here"));
 }
@@ -50,15 +50,15 @@ TEST(Remarks, NameWhoHasAPort) {
 TEST(Remarks, SayOnceThatReceiveBuffersAreSmall) {
   Seen seen = made_seen();
   const std::string small = ": receive buffer of 212992 bytes instead of 4194304 (sysctl net.core.rmem_max=4194304 ...)";
-  seen.ports = {{.port = 2368, .purpose = {}, .owner = {}, .buffer = "UDP port 2368" + small, .datagrams = {}, .strange = {}},
-                {.port = 8308, .purpose = {}, .owner = {}, .buffer = "UDP port 8308" + small, .datagrams = {}, .strange = {}}};
+  seen.ports = {{.port = 2368, .purpose = {}, .owner = {}, .beside = {}, .buffer = "UDP port 2368" + small, .datagrams = {}, .strange = {}},
+                {.port = 8308, .purpose = {}, .owner = {}, .beside = {}, .buffer = "UDP port 8308" + small, .datagrams = {}, .strange = {}}};
 
   EXPECT_EQ(words_for(seen), "! receive buffers" + small + "\n");
 }
 
 TEST(Remarks, CountWhatIsNoSensors) {
   Seen seen = made_seen();
-  seen.ports = {{.port = 2368, .purpose = {}, .owner = {}, .buffer = {}, .datagrams = {9, 9}, .strange = {7, 7}, .stranger = 0x0A4D0003}};
+  seen.ports = {{.port = 2368, .purpose = {}, .owner = {}, .beside = {}, .buffer = {}, .datagrams = {9, 9}, .strange = {7, 7}, .stranger = 0x0A4D0003}};
 
   EXPECT_THAT(words_for(seen), HasSubstr("7 datagrams are no sensor's that is known, the last one of 10.77.0.3"));
 }
@@ -106,9 +106,30 @@ TEST(Remarks, NameTheProgramOfThisComputerThatMayHaveTheAvia) {
   Seen seen = made_seen();
   seen.lidars = {made_avia()};
   seen.lidars[0].silent_s = 4.0;
-  seen.ports = {{.port = 56001, .purpose = "points of an Avia", .owner = "slamd (pid 12)", .buffer = {}, .datagrams = {}, .strange = {}}};
+  seen.ports = {{.port = 55000, .purpose = {}, .owner = {}, .beside = "slamd (pid 12)", .buffer = {}, .datagrams = {}, .strange = {}}};
 
   EXPECT_THAT(words_for(seen), HasSubstr("it belongs to slamd (pid 12) on this computer"));
+}
+
+TEST(Remarks, SayWhatAnAviaAnswers) {
+  Seen seen = made_seen();
+  seen.avias = {{kSensor, AviaAnswer::kRefusal, ""}};
+  EXPECT_THAT(words_for(seen), HasSubstr("! Livox SDK1 device at 10.77.0.2: refuses this host: another one owns it"));
+
+  seen.avias[0].answer = AviaAnswer::kNone;
+  EXPECT_THAT(words_for(seen), HasSubstr("does not answer"));
+
+  seen.avias[0] = {kSensor, AviaAnswer::kNotAsked, "slamd (pid 3) on this computer has it"};
+  EXPECT_THAT(words_for(seen), HasSubstr("is not asked: slamd (pid 3) on this computer has it"));
+}
+
+TEST(Remarks, SayThatOtherSubnetsAreNotHeardOnlyWhereNothingElseIs) {
+  Seen seen = made_seen();
+  seen.hears_wire = false;
+  EXPECT_THAT(words_for(seen), HasSubstr("CAP_NET_RAW"));
+
+  seen.lidars = {made_avia()};
+  EXPECT_EQ(words_for(seen), "nothing to remark\n");
 }
 
 TEST(Remarks, NameTheHostThatAMid360SendsTo) {
