@@ -41,6 +41,23 @@ constexpr KnownPort kPorts[] = {
 
 }  // namespace
 
+void add_places_of(const configuration::Configuration& configuration, ListeningConfig& listening) {
+  const configuration::LidarConfiguration& lidar = configuration.lidar;
+  const bool is_spinning = !configuration::is_livox(lidar.model);
+  for (const int port : {lidar.listening_port(), is_spinning ? lidar.position_port : lidar.imu_port}) {
+    listening.ports.push_back(static_cast<std::uint16_t>(port));
+  }
+  const auto add = [](bool is_meant, const std::string& name, std::vector<std::string>& names) {
+    if (is_meant) {
+      names.insert(names.begin(), name);
+    }
+  };
+  add(configuration.imu.enabled && configuration.imu.source == "serial", configuration.imu.device, listening.serial);
+  add(configuration.gnss.is_serial(), configuration.gnss.device, listening.serial);
+  add(configuration.imu.enabled && configuration.imu.source == "can", configuration.imu.interface, listening.can);
+  add(configuration.wheel.use && configuration.wheel.source == "can", configuration.wheel.interface, listening.can);
+}
+
 Listening::Listening(const ListeningConfig& config, const transport::HostClock& clock)
     : config_(config), clock_(clock), began_(clock.now()), interfaces_(transport::interfaces()) {
   for (const KnownPort& known : kPorts) {
@@ -76,7 +93,7 @@ void Listening::find_places() {
     serial.insert(serial.end(), adapters.begin(), adapters.end());
   }
   for (const std::string& device : serial) {
-    if (std::none_of(lines_.begin(), lines_.end(), [&](const auto& line) { return line->device() == device; })) {
+    if (std::none_of(lines_.begin(), lines_.end(), [&](const auto& line) { return is_same_device(line->device(), device); })) {
       lines_.push_back(std::make_unique<SerialPlace>(device, config_.asks, clock_.now()));
     }
   }

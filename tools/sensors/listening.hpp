@@ -26,6 +26,9 @@ struct ListeningConfig {
   bool asks = false;                       // devices that were found, and those on serial lines, for more than they say
 };
 
+/// Adds the ports, lines and buses of a configuration to those that are listened to.
+void add_places_of(const configuration::Configuration& configuration, ListeningConfig& listening);
+
 /// Listens at all places where sensors speak: the network, serial lines, CAN buses. It holds no device and changes none:
 /// on the network it asks who is there, as every host of SDK2 devices does once a second, and nothing else until it may.
 /// Threads: one.

@@ -41,7 +41,7 @@ void declare(CLI::App& app, Options& options) {
   app.add_option("--seconds", options.seconds, "How long to listen, s; 0: until interrupted. All rates of a serial line take 12")
       ->check(CLI::Range(0.0, 86400.0))->capture_default_str();
   app.add_flag("--json", options.json, "Print JSON, one line each second");
-  app.add_option("--config", options.config, "A configuration: tells whether gravity is where it has the inertial sensor")->type_name("FILE");
+  app.add_option("--config", options.config, "A configuration: listen where it has sensors, and tell whether gravity is where it has it")->type_name("FILE");
   auto* const write = app.add_option("--write", options.write, "At the end, write a configuration to begin with")->type_name("FILE");
   app.add_flag("--force", options.force, "Let --write replace a file")->needs(write);
   app.add_option("--serial", options.listening.serial, "A serial line to listen to, beside the adapters that are plugged in")->type_name("DEVICE");
@@ -95,6 +95,9 @@ int run(const Options& options) {
   }
   sensors::ListeningConfig config = options.listening;
   config.finds_serial = !options.no_serial;
+  if (configuration) {
+    add_places_of(*configuration, config);
+  }
   for (const std::string& avia : options.avias) {
     const auto address = transport::parse_address(avia);
     if (!address) {

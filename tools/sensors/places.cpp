@@ -43,6 +43,14 @@ std::vector<std::string> serial_adapters(const fs::path& dev) {
   return found;
 }
 
+bool is_same_device(const std::string& a, const std::string& b) {
+  std::error_code absent_a;
+  std::error_code absent_b;
+  const fs::path device_a = fs::canonical(a, absent_a);
+  const fs::path device_b = fs::canonical(b, absent_b);
+  return a == b || (!absent_a && !absent_b && device_a == device_b);
+}
+
 std::vector<std::string> can_interfaces(const fs::path& net) {
   constexpr int kCanLink = 280;  // ARPHRD_CAN
   std::vector<std::string> found;

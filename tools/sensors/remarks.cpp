@@ -207,8 +207,8 @@ void judge_line(const LineSeen& line, const Seen& seen, const Eigen::Matrix3d* R
     remarks.push_back({line.device, "answers, but sends no samples: imu.rate_hz has slamd tell it to"});
   } else if (line.tongue == Tongue::kGnss) {
     judge_gnss(line.device, line.gnss, remarks);
-  } else if (line.tongue != Tongue::kNone && line.imu.samples.total == 0 && line.imu.refused > 0) {
-    remarks.push_back({line.device, "sends messages, but none with acceleration, turn rate and time: imu.rate_hz has slamd tell it to"});
+  } else if (line.tongue != Tongue::kNone && line.imu.samples.total == 0) {
+    remarks.push_back({line.device, "sends messages, but none with acceleration, turn rate and time: imu.rate_hz has slamd tell it to send them"});
   }
   judge_inertial(line.device, line.imu, R_base_imu, "imu.T_base_imu", remarks);
 }

@@ -25,6 +25,10 @@ namespace {
 
 constexpr int kAskedRate_hz = 200;  // of a sensor that sends nothing until it is told
 
+// Where hosts have them send, by the SDKs.
+constexpr int kAviaPort = 56001;
+constexpr int kMid360Port = 56301;
+
 constexpr std::size_t kLongestCode = 16;
 constexpr std::size_t kCommentColumn = 44;
 
@@ -122,7 +126,8 @@ void propose_rotation(const InertialSeen& imu, const char* key, Lines& lines) {
 
 void write_livox(const LidarSeen& lidar, Lines& lines) {
   if (lidar.broadcasts.total == 0) {
-    lines.key("port = " + std::to_string(lidar.port == 0 ? 56001 : lidar.port), "it sends there already, set up by somebody else");
+    const int usual = lidar.protocol == LidarProtocol::kSdk1 ? kAviaPort : kMid360Port;
+    lines.key("port = " + std::to_string(lidar.port == 0 ? usual : lidar.port), "it sends there already, set up by somebody else");
     return;
   }
   const std::string times = std::to_string(lidar.broadcasts.total) + " times in this time";

@@ -3,7 +3,10 @@
 #include <cstdlib>
 #include <thread>
 
+#include <csignal>
+
 #include <fcntl.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <gmock/gmock.h>
@@ -33,6 +36,18 @@ TEST_F(Places, NameAdaptersByTheLinksThatStay) {
 
   EXPECT_THAT(serial_adapters(folder_), ElementsAre((folder_ / "serial/by-id/usb-Xsens").string(), (folder_ / "ttyACM0").string(),
                                                     (folder_ / "ttyUSB0").string()));
+}
+
+TEST_F(Places, KnowADeviceByEachOfItsNames) {
+  const std::string device = write("ttyUSB0", "").string();
+  const std::string other = write("ttyUSB1", "").string();
+  const std::string link = (folder_ / "imu").string();
+  std::filesystem::create_symlink("ttyUSB0", link);
+
+  EXPECT_TRUE(is_same_device(link, device));
+  EXPECT_FALSE(is_same_device(link, other));
+  EXPECT_TRUE(is_same_device("/nowhere/tty", "/nowhere/tty"));
+  EXPECT_FALSE(is_same_device("/nowhere/tty", "/nowhere/other"));
 }
 
 TEST_F(Places, NameCanInterfacesByTheirType) {
@@ -141,6 +156,39 @@ TEST_F(Terminal, SaysWhenItIsUnpluggedAndWhenItIsNotThere) {
 
   const SerialPlace absent("/nowhere/tty", false, kBegin);
   EXPECT_THAT(absent.seen().trouble, HasSubstr("not there"));
+}
+
+TEST_F(Terminal, IsLeftToWhoeverComesLater) {
+  SerialPlace sut(name_, false, kBegin);
+  sut.run_once(kBegin);
+  EXPECT_GE(sut.fd(), 0);
+  int opened[2];
+  ASSERT_EQ(pipe(opened), 0);
+  const pid_t child = fork();
+  if (child == 0) {
+    close(sut.fd());
+    const int fd = open(name_.c_str(), O_RDWR | O_NOCTTY);
+    (void)!write(opened[1], &fd, 1);
+    pause();
+    _exit(0);
+  }
+  char byte = 0;
+  ASSERT_EQ(read(opened[0], &byte, 1), 1);
+
+  sut.run_once(kBegin + SerialPlace::kRetry);
+  const LineSeen left = sut.seen();
+  const int fd = sut.fd();
+  kill(child, SIGKILL);
+  waitpid(child, nullptr, 0);
+  sut.run_once(kBegin + 2 * SerialPlace::kRetry);
+
+  EXPECT_THAT(left.trouble, HasSubstr("is held by test_tools"));
+  EXPECT_THAT(left.trouble, HasSubstr("(pid " + std::to_string(child) + "), and left to it"));
+  EXPECT_EQ(fd, -1);
+  EXPECT_EQ(sut.seen().trouble, "");
+  EXPECT_GE(sut.fd(), 0);
+  close(opened[0]);
+  close(opened[1]);
 }
 
 TEST(BusPlace, SaysWhatIsTheMatterWithItsInterface) {

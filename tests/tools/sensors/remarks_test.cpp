@@ -218,6 +218,14 @@ TEST(Remarks, SayWhatASerialLineLacks) {
   EXPECT_THAT(words_for(seen), HasSubstr("has no good fix: no_fix, 11 satellites"));
 }
 
+TEST(Remarks, SayThatASensorSendsNoInertialData) {
+  Seen seen = made_seen();
+  seen.lines = {made_xsens()};
+  seen.lines[0].imu = {};
+
+  EXPECT_THAT(words_for(seen), HasSubstr("none with acceleration, turn rate and time"));
+}
+
 TEST(Remarks, SayWhatABusLacks) {
   Seen seen = made_seen();
   BusSeen bus;
