@@ -148,7 +148,7 @@ count=$(jq .sent.imu_rows "$scratch/sent.json")
 if grep -qE "^I inertial: sample $count(,|$)" "$scratch/slamd.log"; then pass "all $count inertial samples got to slamd"; else
   fail "of $count inertial samples slamd has: $(grep '^I inertial' "$scratch/slamd.log")"; fi
 
-# Numbers in g, from a line that says CSV rows; garbage at the ports; a sensor of another subnet; small buffers.
+# Numbers in g, from a line that says CSV rows; garbage at the ports; a sensor of another subnet.
 awk -F, 'BEGIN { OFS = "," } NR > 1 { for (i = 5; i <= 7; ++i) $i /= 9.80665 } { print }' "$scratch/drive/imu.csv" >"$scratch/in_g.csv" && mv "$scratch/in_g.csv" "$scratch/drive/imu.csv"
 on_sensor "$bin/slamd-replay" --to-network 127.0.0.1:9:9 --imu-to "pty:$scratch/rows" "$scratch/drive" >/dev/null 2>&1 &
 pids+=("$!")
@@ -160,20 +160,11 @@ ip -n slamd_sensor addr add 10.77.0.3/24 dev slamd_b  # a stranger
 on_host sh -c 'for of in all slamd_a; do echo 2 >/proc/sys/net/ipv4/conf/$of/rp_filter; done'
 on_sensor bash -c 'for i in $(seq 200); do head -c 700 /dev/urandom >/dev/udp/10.77.0.1/2368; head -c 60 /dev/urandom >/dev/udp/10.77.0.1/56000; done' &
 pids+=("$!")
-setpriv=()
-setpriv --bounding-set=-net_admin true 2>/dev/null && setpriv=(setpriv --bounding-set=-net_admin)
-on_host "${setpriv[@]}" "$bin/slamd-sensors" --json --no-serial --seconds 4.2 --serial "$scratch/rows" >"$scratch/seconds.json" 2>"$scratch/complaint"
-tail -n 1 "$scratch/seconds.json" >"$seen"
-said=$(jq -r '.remarks[] | "\(.about): \(.words)"' "$seen")
+look 4.2 --serial "$scratch/rows"
 says "a sensor of another subnet is told so" 'Livox Avia 3JEDK380010Z391 at 192\.168\.1\.50: is of another subnet than this host, which has 10\.77\.0\.1/24'
 says "numbers in g are recognised" "$scratch/rows: specific force looks like g, and must be m/s\^2"
 says "garbage is counted" 'UDP port 2368: [0-9]+ datagrams are no sensor.s that is known, the last one of 10\.77\.0\.3'
-if [ "${#setpriv[@]}" -gt 0 ] && [ "$(cat /proc/sys/net/core/rmem_max)" -lt 4194304 ]; then
-  says "receive buffers that are too small are told" 'receive buffers: receive buffer of [0-9]+ bytes instead of 4194304 .*net\.core\.rmem_max'
-else
-  skip "receive buffers are large enough here, or capabilities cannot be dropped"
-fi
-kill -0 "$avia" 2>/dev/null && pass "the emulated Avia is still there"
+if kill -0 "$avia" 2>/dev/null; then pass "the emulated Avia has survived it all"; else fail "the emulated Avia has ended"; fi
 
 # For people: lines through a pipe, and a picture on a terminal.
 text=$(on_host "$bin/slamd-sensors" --no-serial --seconds 2.2)

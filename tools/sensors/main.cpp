@@ -47,7 +47,7 @@ void declare(CLI::App& app, Options& options) {
   app.add_option("--serial", options.listening.serial, "A serial line to listen to, beside the adapters that are plugged in")->type_name("DEVICE");
   app.add_flag("--no-serial", options.no_serial, "Leave the adapters that are plugged in alone");
   app.add_option("--can", options.listening.can, "A CAN interface to listen to, beside those that are there")->type_name("INTERFACE");
-  app.add_option("--port", options.listening.ports, "A UDP port to listen at, beside the sensors' own")->type_name("PORT");
+  app.add_option("--port", options.listening.ports, "A UDP port to listen at, beside the sensors' own")->type_name("PORT")->check(CLI::Range(1, 65535));
   app.add_flag("--ask", options.listening.asks, "Ask, too: a Mid-360 where it sends to, and what is mute on serial lines who it is");
   app.add_option("--ask-avia", options.avias, "Ask the Avia at this address whether it has a host: one that has none is let go at once")->type_name("ADDRESS");
   app.footer("It listens: no device is held or set, and no line taken from slamd. Only who has a Livox SDK2 device is asked.\n"

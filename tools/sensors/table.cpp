@@ -114,15 +114,15 @@ std::string padded(const std::string& text, std::size_t width) {
   return text + std::string(text.size() < width ? width - text.size() : 0, ' ');
 }
 
-/// Breaks a text into lines at blanks, those after the first indented.
-void wrap(std::string text, std::size_t columns, std::vector<std::string>& lines) {
-  constexpr std::size_t kIndent = 4;
+/// Breaks a text into lines at blanks, those after the first indented, unless that leaves no room.
+void wrap(std::string text, std::size_t columns, std::size_t indent, std::vector<std::string>& lines) {
+  indent = indent > columns / 2 ? 4 : indent;
   while (text.size() > columns) {
     std::size_t at = text.rfind(' ', columns);
-    at = at == std::string::npos || at <= kIndent ? columns : at;
+    at = at == std::string::npos || at <= indent ? columns : at;
     lines.push_back(text.substr(0, at));
     const std::size_t next = text.find_first_not_of(' ', at);
-    text = std::string(kIndent, ' ') + (next == std::string::npos ? "" : text.substr(next));
+    text = std::string(indent, ' ') + (next == std::string::npos ? "" : text.substr(next));
   }
   lines.push_back(text);
 }
@@ -155,13 +155,14 @@ std::string draw(const Seen& seen, const std::vector<Remark>& remarks, const Loo
     place_width = std::max(place_width, row.place.size());
   }
   for (const Row& row : rows) {
-    wrap("  " + padded(row.name, name_width) + "  " + padded(row.place, place_width) + "  " + row.rates, columns, lines);
+    const std::string place = "  " + padded(row.name, name_width) + "  " + padded(row.place, place_width) + "  ";
+    wrap(place + row.rates, columns, place.size(), lines);
   }
   if (rows.empty()) {
     lines.emplace_back("  nothing heard yet");
   }
   for (const Remark& remark : remarks) {
-    wrap("! " + remark.about + ": " + remark.words, columns, lines);
+    wrap("! " + remark.about + ": " + remark.words, columns, 4, lines);
   }
   std::string text;
   for (std::size_t i = 0; i < lines.size() && i < std::max<std::size_t>(look.rows, 1); ++i) {
