@@ -158,11 +158,14 @@ ip -n slamd_sensor addr add 192.168.1.50/24 dev slamd_b
 ip -n slamd_sensor addr add 10.77.0.3/24 dev slamd_b  # a stranger
 # As systemd sets it: the kernel drops what comes from where it has no route to.
 on_host sh -c 'for of in all slamd_a; do echo 2 >/proc/sys/net/ipv4/conf/$of/rp_filter; done'
+on_sensor "$bin/slamd-replay" --to-network 10.77.0.1:9:9 --imu-to udp:10.77.0.1:7501 "$scratch/drive" >/dev/null 2>&1 &
+pids+=("$!")
 on_sensor bash -c 'for i in $(seq 200); do head -c 700 /dev/urandom >/dev/udp/10.77.0.1/2368; head -c 60 /dev/urandom >/dev/udp/10.77.0.1/56000; done' &
 pids+=("$!")
 look 4.2 --serial "$scratch/rows"
 says "a sensor of another subnet is told so" 'Livox Avia 3JEDK380010Z391 at 192\.168\.1\.50: is of another subnet than this host, which has 10\.77\.0\.1/24'
 says "numbers in g are recognised" "$scratch/rows: specific force looks like g, and must be m/s\^2"
+holds "also in rows that come by UDP" "$seen" '.rows[0] | .port == 7501 and .imu.samples.last_second > 180 and .imu.units == "g"'
 says "garbage is counted" 'UDP port 2368: [0-9]+ datagrams are no sensor.s that is known, the last one of 10\.77\.0\.3'
 if kill -0 "$avia" 2>/dev/null; then pass "the emulated Avia has survived it all"; else fail "the emulated Avia has ended"; fi
 

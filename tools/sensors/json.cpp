@@ -88,6 +88,8 @@ Json of(const LidarSeen& lidar) {
   return result;
 }
 
+Json of(const RowsSeen& rows) { return {{"address", dotted(rows.address)}, {"port", rows.port}, {"imu", of(rows.imu)}}; }
+
 Json of(const LineSeen& line) {
   Json result{{"device", line.device},     {"trouble", line.trouble}, {"baud", line.baud},         {"found", line.found},
               {"speaks", name_of_tongue(line.tongue)}, {"answers", line.answers}, {"bytes", of(line.bytes)}};
@@ -127,7 +129,7 @@ Json list(const Items& items) {
 }  // namespace
 
 std::string to_json(const Seen& seen, const std::vector<Remark>& remarks) {
-  Json result{{"listened_s", seen.listened_s}, {"lidars", list(seen.lidars)}, {"lines", list(seen.lines)},
+  Json result{{"listened_s", seen.listened_s}, {"lidars", list(seen.lidars)}, {"rows", list(seen.rows)}, {"lines", list(seen.lines)},
               {"buses", list(seen.buses)},     {"ports", list(seen.ports)},   {"remarks", Json::array()}};
   for (const AviaSeen& avia : seen.avias) {
     constexpr const char* kAnswers[] = {"not_asked", "none", "refusal", "consent"};

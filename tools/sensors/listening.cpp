@@ -35,6 +35,7 @@ constexpr KnownPort kPorts[] = {
     {56201, "the state of a Mid-360", Kind::kData},
     {56301, "points of a Mid-360", Kind::kData},
     {56401, "inertial samples of a Mid-360", Kind::kData},
+    {7501, "inertial samples as rows of CSV", Kind::kData},
     {livox::Sdk1Host::kBroadcastPort, "broadcasts of Livox SDK1 devices", Kind::kBroadcasts},
     {livox::Sdk2Host::kDiscoveryPort, "other hosts' searches for Livox SDK2 devices", Kind::kAnswers},
 };
@@ -46,6 +47,9 @@ void add_places_of(const configuration::Configuration& configuration, ListeningC
   const bool is_spinning = !configuration::is_livox(lidar.model);
   for (const int port : {lidar.listening_port(), is_spinning ? lidar.position_port : lidar.imu_port}) {
     listening.ports.push_back(static_cast<std::uint16_t>(port));
+  }
+  if (configuration.imu.enabled && configuration.imu.source == "udp") {
+    listening.ports.push_back(static_cast<std::uint16_t>(configuration.imu.port));
   }
   const auto add = [](bool is_meant, const std::string& name, std::vector<std::string>& names) {
     if (is_meant) {

@@ -110,10 +110,40 @@ bool NetworkWatch::take_data(const Arrival& arrival) {
       return true;
     }
   }
+  if (take_rows(arrival)) {
+    return true;
+  }
   if (sender != nullptr) {
     sender->refuse();
   }
   return false;
+}
+
+bool NetworkWatch::take_rows(const Arrival& arrival) {
+  const auto known = std::find_if(rows_.begin(), rows_.end(), [&](const auto& rows) {
+    return rows->address == arrival.source && rows->port == arrival.port;
+  });
+  RowsWatch* rows = known == rows_.end() ? nullptr : known->get();
+  if (rows == nullptr) {
+    bool has_sample = false;
+    imu::CsvRows{}.add_datagram(arrival.payload, arrival.received, [&](const sensor::ImuReading&) { has_sample = true; });
+    if (!has_sample) {
+      return false;
+    }
+    if (rows_.size() >= kMostSensors) {
+      ++left_out_;
+      return true;
+    }
+    rows = rows_.emplace_back(std::make_unique<RowsWatch>()).get();
+    rows->address = arrival.source;
+    rows->port = arrival.port;
+  }
+  bool has_sample = false;
+  rows->decoder.add_datagram(arrival.payload, arrival.received, [&](const sensor::ImuReading& reading) {
+    has_sample = true;
+    rows->samples.add(reading);
+  });
+  return has_sample;
 }
 
 LidarWatch* NetworkWatch::watch(LidarProtocol protocol, std::uint32_t address) {
@@ -122,7 +152,7 @@ LidarWatch* NetworkWatch::watch(LidarProtocol protocol, std::uint32_t address) {
       return lidar.get();
     }
   }
-  if (lidars_.size() >= kMostLidars) {
+  if (lidars_.size() >= kMostSensors) {
     ++left_out_;
     return nullptr;
   }
@@ -132,7 +162,7 @@ LidarWatch* NetworkWatch::watch(LidarProtocol protocol, std::uint32_t address) {
 void NetworkWatch::note_searcher(std::uint32_t address, std::span<const transport::Interface> own) {
   const bool is_own = std::any_of(own.begin(), own.end(), [&](const transport::Interface& interface) { return interface.address == address; });
   const bool is_known = std::find(searchers_.begin(), searchers_.end(), address) != searchers_.end();
-  if (!is_own && !is_known && searchers_.size() < kMostLidars) {
+  if (!is_own && !is_known && searchers_.size() < kMostSensors) {
     searchers_.push_back(address);
   }
 }
@@ -140,6 +170,9 @@ void NetworkWatch::note_searcher(std::uint32_t address, std::span<const transpor
 void NetworkWatch::end_second() {
   for (const auto& lidar : lidars_) {
     lidar->end_second();
+  }
+  for (const auto& rows : rows_) {
+    rows->samples.end_second();
   }
 }
 
@@ -160,6 +193,13 @@ void NetworkWatch::show(Stamp now, Seen& seen) const {
     });
     if (!is_there) {
       seen.lidars.push_back(lidar->seen(now));
+    }
+  }
+  for (const auto& rows : rows_) {
+    RowsSeen& shown = seen.rows.emplace_back(RowsSeen{rows->address, rows->port, rows->samples.seen()});
+    const imu::RowCounters counters = rows->decoder.counters();
+    for (std::size_t i = 1; i < imu::kRowResults; ++i) {
+      shown.imu.refused += counters.rows[i];
     }
   }
   seen.searchers.insert(seen.searchers.end(), searchers_.begin(), searchers_.end());

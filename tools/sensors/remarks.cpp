@@ -250,6 +250,10 @@ std::vector<Remark> remarks_of(const Seen& seen, const std::optional<Configurati
       judge_inertial(name_of(lidar), *lidar.imu, for_source(is_meant), "lidar.T_base_lidar", remarks);
     }
   }
+  for (const RowsSeen& rows : seen.rows) {
+    const bool is_meant = knows && configuration->imu.source == "udp" && configuration->imu.port == rows.port;
+    judge_inertial("CSV rows of " + dotted(rows.address), rows.imu, for_source(is_meant), "imu.T_base_imu", remarks);
+  }
   for (const AviaSeen& avia : seen.avias) {
     judge_avia(avia, remarks);
   }

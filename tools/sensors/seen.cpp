@@ -16,7 +16,7 @@ bool InertialSeen::shows_gravity() const {
 }
 
 bool Seen::anything() const {
-  return !lidars.empty() ||
+  return !lidars.empty() || !rows.empty() ||
          std::any_of(avias.begin(), avias.end(), [](const AviaSeen& avia) { return avia.answer >= AviaAnswer::kRefusal; }) ||
          std::any_of(lines.begin(), lines.end(), [](const LineSeen& line) { return line.tongue != Tongue::kNone || line.answers; }) ||
          std::any_of(buses.begin(), buses.end(), [](const BusSeen& bus) { return bus.frames.total > 0; });

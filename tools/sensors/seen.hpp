@@ -113,6 +113,13 @@ struct BusSeen {
   InertialSeen aceinna;  // by the axis map "y,x,z"
 };
 
+/// An inertial sensor that sends rows of CSV in datagrams.
+struct RowsSeen {
+  std::uint32_t address = 0;  // host order
+  std::uint16_t port = 0;     // of this host
+  InertialSeen imu;
+};
+
 /// What an Avia says to whoever would be its host.
 enum class AviaAnswer : std::uint8_t {
   kNotAsked,
@@ -150,6 +157,7 @@ struct Seen {
   std::vector<PortSeen> ports;
   std::vector<LidarSeen> lidars;
   std::vector<AviaSeen> avias;
+  std::vector<RowsSeen> rows;
   std::vector<std::uint32_t> searchers;  // other hosts that look for SDK2 devices
   std::vector<LineSeen> lines;
   std::vector<BusSeen> buses;

@@ -181,6 +181,13 @@ void write_serial_imu(const LineSeen& line, Lines& lines) {
   write_place_of_imu(line.imu, lines);
 }
 
+void write_rows(const RowsSeen& rows, Lines& lines) {
+  lines.table("[imu]");
+  lines.key("source = \"udp\"", a_second(rows.imu.samples, "samples") + " in rows of CSV from " + dotted(rows.address));
+  lines.key("port = " + std::to_string(rows.port), "where they arrive");
+  write_place_of_imu(rows.imu, lines);
+}
+
 bool speaks(const InertialSeen& imu) { return imu.samples.last_second >= 10; }
 
 void write_can_imu(const BusSeen& bus, Lines& lines) {
@@ -205,6 +212,8 @@ void write_imu(const LidarSeen& lidar, const Seen& seen, Lines& lines) {
     write_serial_imu(*line, lines);
   } else if (bus != seen.buses.end()) {
     write_can_imu(*bus, lines);
+  } else if (!seen.rows.empty()) {
+    write_rows(seen.rows.front(), lines);
   } else if (configuration::is_livox(*model_of(lidar))) {
     lines.table("[imu]");
     lines.key("source = \"livox\"", lidar.imu ? a_second(lidar.imu->samples, "samples") + " of its own" : std::string("its own; it sends once it is started"));

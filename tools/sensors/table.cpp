@@ -67,6 +67,13 @@ Row row_of(const LidarSeen& lidar) {
   return {lidar.type + (lidar.code.empty() ? "" : " " + lidar.code), dotted(lidar.address), rates.text()};
 }
 
+Row row_of(const RowsSeen& rows) {
+  Rates rates;
+  rates.add("UDP port " + std::to_string(rows.port));
+  add_inertial(rows.imu, rates);
+  return {name_of(Tongue::kCsv), dotted(rows.address), rates.text()};
+}
+
 Row row_of(const LineSeen& line) {
   if (!line.trouble.empty()) {
     return {"serial line", line.device, line.trouble};
@@ -133,6 +140,9 @@ std::vector<Row> rows_of(const Seen& seen) {
   std::vector<Row> rows;
   for (const LidarSeen& lidar : seen.lidars) {
     rows.push_back(row_of(lidar));
+  }
+  for (const RowsSeen& sender : seen.rows) {
+    rows.push_back(row_of(sender));
   }
   for (const LineSeen& line : seen.lines) {
     rows.push_back(row_of(line));

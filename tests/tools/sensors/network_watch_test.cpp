@@ -66,6 +66,21 @@ TEST_F(NetworkWatchTest, ReadsWhereAMid360SendsTo) {
   EXPECT_EQ(seen().lidars[0].time, TimeSource::kPtp);
 }
 
+TEST_F(NetworkWatchTest, CountsRowsOfCsv) {
+  for (int i = 0; i < 50; ++i) {
+    EXPECT_TRUE(take(text_bytes(std::to_string(10'000'000 * i) + ",0,0,0,0,0,9.81\n"), 7501));
+  }
+  EXPECT_FALSE(take(text_bytes("0,0,0,0,0,0,nine\n"), 7501));
+  sut_.end_second();
+
+  ASSERT_EQ(seen().rows.size(), 1U);
+  EXPECT_EQ(seen().rows[0].address, kSensor);
+  EXPECT_EQ(seen().rows[0].port, 7501);
+  EXPECT_EQ(seen().rows[0].imu.samples, (Count{50, 50}));
+  EXPECT_EQ(seen().rows[0].imu.refused, 1U);
+  EXPECT_TRUE(seen().lidars.empty());
+}
+
 TEST_F(NetworkWatchTest, TellsAnotherHostsSearchFromItsOwn) {
   const Bytes search = bytes_of(livox::write_sdk2_frame({1, livox::Sdk2Command::kDiscovery, false, false, {}}));
 
@@ -162,8 +177,8 @@ TEST_F(NetworkWatchTest, KeepsAccountOfSoManySensorsAndCountsTheRest) {
     take(sdk1_broadcast("CODE" + std::to_string(i)), 55000, kSensor + i);
   }
 
-  EXPECT_EQ(seen().lidars.size(), NetworkWatch::kMostLidars);
-  EXPECT_EQ(seen().left_out, 1000U - NetworkWatch::kMostLidars);
+  EXPECT_EQ(seen().lidars.size(), NetworkWatch::kMostSensors);
+  EXPECT_EQ(seen().left_out, 1000U - NetworkWatch::kMostSensors);
 }
 
 TEST_F(NetworkWatchTest, ShowsNoControlCharactersOfADevicesName) {
@@ -186,7 +201,7 @@ TEST_F(NetworkWatchTest, SurvivesDamageInEveryKindOfDatagram) {
     take(bytes, 2368, kSensor + random() % 3);
   }
 
-  EXPECT_LE(seen().lidars.size(), NetworkWatch::kMostLidars);
+  EXPECT_LE(seen().lidars.size(), NetworkWatch::kMostSensors);
 }
 
 }  // namespace

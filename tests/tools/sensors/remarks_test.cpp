@@ -185,6 +185,15 @@ TEST(Remarks, SayNothingOfGravityWhereItIsRightOrNotToBeJudged) {
   EXPECT_EQ(words_for(seen, kSideways), "nothing to remark\n");
 }
 
+TEST(Remarks, JudgeRowsFromTheNetworkByTheirPort) {
+  Seen seen = made_seen();
+  seen.rows = {{kSensor, 7501, made_xsens().imu}};
+  const std::string toml = "[[lidar]]\nmodel = \"vlp16\"\n[imu]\nsource = \"udp\"\nT_base_imu = { xyz_m = [0, 0, 0], rpy_deg = [0, 45, 0] }\n";
+
+  EXPECT_THAT(words_for(seen, toml), HasSubstr("! CSV rows of 10.77.0.2: gravity is 45.0 degrees from where imu.T_base_imu has it"));
+  EXPECT_EQ(words_for(seen, toml + "port = 7502\n"), "nothing to remark\n");
+}
+
 TEST(Remarks, JudgeALivoxByThePlaceOfItsPoints) {
   Seen seen = made_seen();
   seen.lidars = {made_mid360()};

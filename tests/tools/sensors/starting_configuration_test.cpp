@@ -95,6 +95,16 @@ TEST(StartingConfiguration, TakesAnInertialSensorOnCanAndNamesTheOtherIds) {
   EXPECT_THAT(text, HasSubstr("id 0x1A0, 8 bytes, 100 in the last second"));
 }
 
+TEST(StartingConfiguration, TakesRowsFromTheNetwork) {
+  Seen seen = with_lidar(made_vlp16());
+  seen.rows = {{kSensor, 7502, made_xsens().imu}};
+
+  const Configuration sut = read_back(written(seen));
+
+  EXPECT_EQ(sut.imu.source, "udp");
+  EXPECT_EQ(sut.imu.port, 7502);
+}
+
 TEST(StartingConfiguration, TakesTheReceiverBehindAVelodyne) {
   LidarSeen lidar = made_vlp16();
   lidar.sentence = "$GPRMC,";
