@@ -25,6 +25,8 @@ TEST(InertialWatch, CountsTheLastWholeSecondAndAll) {
   sut.add(reading_of(std::chrono::seconds(1), {0.0, 0.0, 9.81}));
 
   EXPECT_EQ(sut.seen().samples, (Count{101, 100}));
+  sut.end_second();
+  EXPECT_EQ(sut.seen().samples, (Count{101, 1}));
 }
 
 TEST(InertialWatch, ShowsGravityAtRest) {
