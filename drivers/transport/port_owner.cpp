@@ -6,6 +6,8 @@
 #include <sstream>
 #include <vector>
 
+#include <unistd.h>
+
 namespace slamd::transport {
 
 namespace {
@@ -43,16 +45,12 @@ bool holds_any(const fs::path& process, const std::vector<std::string>& links) {
   return false;
 }
 
-/// Names the process that has bound the port: "slamd (pid 123)"; empty where that cannot be seen.
-std::string owner_of(std::uint16_t port) {
-  const std::vector<std::string> links = sockets_on(port);
-  if (links.empty()) {
-    return "";
-  }
+/// Names the first process but `except` that has one of these open: "slamd (pid 123)"; empty where none is seen to.
+std::string holder_of(const std::vector<std::string>& links, const std::string& except = {}) {
   std::error_code ignored;
   for (fs::directory_iterator entry("/proc", ignored), end; !ignored && entry != end; entry.increment(ignored)) {
     const std::string pid = entry->path().filename();
-    if (pid.find_first_not_of("0123456789") == std::string::npos && holds_any(entry->path(), links)) {
+    if (pid != except && pid.find_first_not_of("0123456789") == std::string::npos && holds_any(entry->path(), links)) {
       std::string name;
       std::ifstream stream(entry->path() / "comm");
       std::getline(stream, name);
@@ -64,8 +62,33 @@ std::string owner_of(std::uint16_t port) {
 
 }  // namespace
 
+std::string owner_of_port(std::uint16_t port) {
+  const std::vector<std::string> links = sockets_on(port);
+  if (links.empty()) {
+    return "";
+  }
+  const std::string holder = holder_of(links);
+  return holder.empty() ? "another process" : holder;
+}
+
+std::string other_owner_of_port(std::uint16_t port) {
+  std::vector<std::string> links = sockets_on(port);
+  std::erase_if(links, [](const std::string& link) { return holds_any("/proc/self", {link}); });
+  if (links.empty()) {
+    return "";
+  }
+  const std::string holder = holder_of(links);
+  return holder.empty() ? "another process" : holder;
+}
+
+std::string owner_of_terminal(const std::string& device) {
+  std::error_code absent;
+  const fs::path path = fs::canonical(device, absent);
+  return absent ? "" : holder_of({path.string()}, std::to_string(getpid()));
+}
+
 std::string taken_in_words(std::uint16_t port) {
-  const std::string owner = owner_of(port);
+  const std::string owner = owner_of_port(port);
   return "is taken by " + (owner.empty() ? "another process" : owner);
 }
 

@@ -69,6 +69,13 @@ done
 cansend vcan0 1A0#00000000
 sleep 0.3
 end_daemon xsens
+
+"$bin/slamd-replay" --to-network 127.0.0.1 --can-to vcan0 "$scratch/xsens" >/dev/null 2>&1 &
+player=$!
+"$bin/slamd-sensors" --no-serial --seconds 2.4 --json --write "$scratch/found.toml" | tail -n 1 >"$scratch/found.json"
+kill "$player"
+echo 212992 >/proc/sys/net/core/rmem_max
+setpriv --bounding-set=-net_admin "$bin/slamd-sensors" --no-serial --seconds 1.2 --json | tail -n 1 >"$scratch/small.json"
 END
 began=$(date +%s%N)
 { echo "bin=$bin scratch=$scratch tests=$(realpath "$bin/../tests")"; cat "$scratch/guest.sh"; } >"$scratch/guest"
@@ -150,6 +157,12 @@ holds "that nothing comes any more is said" "$scratch/silent.json" '.health.caus
 holds "that the interface is down is said" "$scratch/down.json" '.health.causes | map(startswith("vcan0: is down")) | any'
 holds "that it is gone is said" "$scratch/absent.json" '.health.causes | map(startswith("vcan0: no such interface")) | any'
 holds "that it is back is seen" "$scratch/back.json" '.health.causes | map(startswith("vcan0")) | any | not'
+holds "slamd-sensors finds the inertial sensor on the bus, and the wheels' frames" "$scratch/found.json" \
+  '.buses[] | select(.interface == "vcan0") | .xsens.samples.last_second > 300 and any(.ids[]; .id == 416 and .frames.last_second > 40)'
+holds "and says that receive buffers are too small" "$scratch/small.json" \
+  '[.remarks[] | select(.about == "receive buffers")] | length == 1 and (.[0].words | test("^receive buffer of [0-9]+ bytes instead of 4194304 .*net.core.rmem_max"))'
+check "slamd accepts the configuration that it writes" "$bin/slamd-replay" --print-config --config "$scratch/found.toml" "$scratch/xsens/lidar.pcap"
+check "which has the sensor on the bus" grep -q '^interface = "vcan0"' "$scratch/found.toml"
 says "bus off is told, with the interface's name" '^I receive: vcan0: bus off' xsens
 says "and counted" '^I can: .*bus_off 1' xsens
 exit "$status"
