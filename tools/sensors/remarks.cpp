@@ -260,6 +260,10 @@ std::vector<Remark> remarks_of(const Seen& seen, const std::optional<Configurati
   if (!seen.hears_wire && seen.lidars.empty()) {
     remarks.push_back({"network", "no LiDAR is heard, and one of another subnet may be there: hearing what the kernel drops takes root, or CAP_NET_RAW"});
   }
+  if (!seen.anything() && seen.listened_s >= kSilent_s) {
+    remarks.push_back({"network", "nothing is heard at all: are sensors powered, is the link up, and do they send to this computer (" +
+                                      subnets_in_words(seen.interfaces) + ")?"});
+  }
   for (const std::uint32_t searcher : seen.searchers) {
     remarks.push_back({dotted(searcher), "another host looks for Livox SDK2 devices, and may take them"});
   }

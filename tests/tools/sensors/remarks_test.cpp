@@ -32,6 +32,15 @@ TEST(Remarks, SayNothingWhereAllIsWell) {
   EXPECT_EQ(words_for(seen), "nothing to remark\n");
 }
 
+TEST(Remarks, SayWhatToLookAtWhereNothingIsHeard) {
+  Seen seen = made_seen();
+  seen.listened_s = 1.0;
+  EXPECT_EQ(words_for(seen), "nothing to remark\n");
+
+  seen.listened_s = 4.0;
+  EXPECT_THAT(words_for(seen), testing::HasSubstr("! network: nothing is heard at all: are sensors powered"));
+}
+
 TEST(Remarks, NameTheSubnetsWhenASensorIsOfAnotherOne) {
   Seen seen = made_seen();
   seen.lidars = {made_avia()};
@@ -49,6 +58,7 @@ TEST(Remarks, NameWhoHasAPort) {
 
 TEST(Remarks, SayOnceThatReceiveBuffersAreSmall) {
   Seen seen = made_seen();
+  seen.listened_s = 1.0;
   const std::string small = ": receive buffer of 212992 bytes instead of 4194304 (sysctl net.core.rmem_max=4194304 ...)";
   seen.ports = {{.port = 2368, .purpose = {}, .owner = {}, .beside = {}, .buffer = "UDP port 2368" + small, .datagrams = {}, .strange = {}},
                 {.port = 8308, .purpose = {}, .owner = {}, .beside = {}, .buffer = "UDP port 8308" + small, .datagrams = {}, .strange = {}}};
