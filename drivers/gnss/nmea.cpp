@@ -170,6 +170,15 @@ std::string time_text(std::optional<Duration> time) {
   return text;
 }
 
+/// Exclusive or of what stands between '$' and '*'.
+unsigned checksum_of(std::string_view body) {
+  unsigned sum = 0;
+  for (const char c : body) {
+    sum ^= static_cast<unsigned char>(c);
+  }
+  return sum;
+}
+
 }  // namespace
 
 bool nmea_checksum_holds(std::string_view sentence) {
@@ -177,13 +186,9 @@ bool nmea_checksum_holds(std::string_view sentence) {
   if (sentence.empty() || sentence.front() != '$' || star == std::string_view::npos || sentence.size() < star + 3) {
     return false;
   }
-  unsigned sum = 0;
-  for (const char c : sentence.substr(1, star - 1)) {
-    sum ^= static_cast<unsigned char>(c);
-  }
   unsigned stated = 0;
   const auto [end, error] = std::from_chars(sentence.data() + star + 1, sentence.data() + star + 3, stated, 16);
-  return error == std::errc() && end == sentence.data() + star + 3 && stated == sum;
+  return error == std::errc() && end == sentence.data() + star + 3 && stated == checksum_of(sentence.substr(1, star - 1));
 }
 
 std::string_view sentence_type(std::string_view sentence) {
@@ -243,12 +248,8 @@ std::optional<Gst> parse_gst(std::string_view sentence) {
 }
 
 std::string framed(std::string_view body) {
-  unsigned sum = 0;
-  for (const char c : body) {
-    sum ^= static_cast<unsigned char>(c);
-  }
   char tail[8];
-  std::snprintf(tail, sizeof tail, "*%02X\r\n", sum & 0xFFU);
+  std::snprintf(tail, sizeof tail, "*%02X\r\n", checksum_of(body));
   return "$" + std::string(body) + tail;
 }
 

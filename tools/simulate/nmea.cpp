@@ -4,20 +4,13 @@
 #include <cstdio>
 #include <ctime>
 
+#include <GeographicLib/LocalCartesian.hpp>
+
+#include "drivers/gnss/nmea.hpp"
+
 namespace slamd::simulate {
 
 namespace {
-
-constexpr double kAxis_m = 6378137.0;
-constexpr double kEccentricity2 = 0.00669437999014;
-constexpr double kDegree = M_PI / 180.0;
-
-Eigen::Vector3d earth_centred(double latitude, double longitude, double altitude) {
-  const double n = kAxis_m / std::sqrt(1.0 - kEccentricity2 * std::sin(latitude) * std::sin(latitude));
-  return {(n + altitude) * std::cos(latitude) * std::cos(longitude),
-          (n + altitude) * std::cos(latitude) * std::sin(longitude),
-          (n * (1.0 - kEccentricity2) + altitude) * std::sin(latitude)};
-}
 
 /// Degrees and minutes as NMEA writes them, and the hemisphere.
 std::string degrees_minutes(double value_deg, int digits, char positive, char negative) {
@@ -34,21 +27,10 @@ std::string degrees_minutes(double value_deg, int digits, char positive, char ne
 }  // namespace
 
 Geodetic geodetic_of(const Eigen::Vector3d& p_world) {
-  const double lat0 = kOriginLatitude_deg * kDegree;
-  const double lon0 = kOriginLongitude_deg * kDegree;
-  Eigen::Matrix3d axes;  // east, north, up
-  axes << -std::sin(lon0), -std::sin(lat0) * std::cos(lon0), std::cos(lat0) * std::cos(lon0), std::cos(lon0),
-      -std::sin(lat0) * std::sin(lon0), std::cos(lat0) * std::sin(lon0), 0.0, std::cos(lat0), std::sin(lat0);
-  const Eigen::Vector3d p = earth_centred(lat0, lon0, kOriginAltitude_m) + axes * p_world;
-  const double flat = std::hypot(p.x(), p.y());
-  double latitude = lat0;
-  double altitude = 0.0;
-  for (int i = 0; i < 8; ++i) {
-    const double n = kAxis_m / std::sqrt(1.0 - kEccentricity2 * std::sin(latitude) * std::sin(latitude));
-    altitude = flat / std::cos(latitude) - n;
-    latitude = std::atan2(p.z(), flat * (1.0 - kEccentricity2 * n / (n + altitude)));
-  }
-  return {latitude / kDegree, std::atan2(p.y(), p.x()) / kDegree, altitude};
+  static const GeographicLib::LocalCartesian kAround(kOriginLatitude_deg, kOriginLongitude_deg, kOriginAltitude_m);
+  Geodetic place;
+  kAround.Reverse(p_world.x(), p_world.y(), p_world.z(), place.latitude_deg, place.longitude_deg, place.altitude_m);
+  return place;
 }
 
 std::string rmc_sentence(std::int64_t unix_s, const Geodetic& place, double speed_mps, double course_deg) {
@@ -60,13 +42,7 @@ std::string rmc_sentence(std::int64_t unix_s, const Geodetic& place, double spee
                 utc.tm_min, utc.tm_sec, degrees_minutes(place.latitude_deg, 2, 'N', 'S').c_str(),
                 degrees_minutes(place.longitude_deg, 3, 'E', 'W').c_str(), speed_mps / 0.514444, course_deg,
                 utc.tm_mday, utc.tm_mon + 1, utc.tm_year % 100);
-  unsigned sum = 0;
-  for (const char* c = text; *c != '\0'; ++c) {
-    sum ^= static_cast<unsigned char>(*c);
-  }
-  char sentence[176];
-  std::snprintf(sentence, sizeof sentence, "$%s*%02X\r\n", text, sum);
-  return sentence;
+  return gnss::framed(text);
 }
 
 }  // namespace slamd::simulate
