@@ -61,6 +61,9 @@ void check_live(const Options& options, const Drive& drive) {
   if (!options.live && !options.device_code.empty()) {
     throw cli::UsageError("--device-code is of use with --live");
   }
+  if (options.pps && !(options.live && drive.lidar == LidarKind::kLivoxAvia)) {
+    throw cli::UsageError("--pps is of use with --live and an Avia");
+  }
   if (options.live && drive.lidar != LidarKind::kLivoxAvia && drive.lidar != LidarKind::kLivoxMid360) {
     throw cli::UsageError("--live: " + options.lidar + " has nothing to say to a host; --drive sends its packets");
   }
@@ -176,6 +179,8 @@ void declare(CLI::App& app, Options& options) {
       ->excludes("--drive", "--vehicle", "--waypoints", "--replay", "--preview")
       ->group(kLive);
   app.add_option("--device-code", options.device_code, "With --live: its broadcast code or serial number")->group(kLive);
+  app.add_flag("--pps", options.pps, "With --live, an Avia: a PPS line that beats with the wall clock; told the UTC, it follows GPS")
+      ->group(kLive);
   app.add_option("--imu-to", options.imu_to, "Where inertial samples go: udp:HOST:PORT, pty:LINKPATH, or as an emulated sensor sends them, xsens:LINKPATH, mip:LINKPATH")
       ->group(kLive);
   app.add_option("--gnss-to", options.gnss_to, "Where fixes go, as an emulated receiver sends them: nmea:LINKPATH, ubx:LINKPATH, or both:LINKPATH")

@@ -36,6 +36,7 @@ struct Options {
   std::string drive_to;  // --drive
   bool live = false;
   std::string device_code;
+  bool pps = false;
   std::string imu_to;
   std::string gnss_to;
   std::string can_to;
