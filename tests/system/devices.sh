@@ -46,7 +46,7 @@ cause_is() {
 logs() { if grep -qE "$2" "$3"; then pass "$lidar: the log says $1"; else fail "$lidar: no line like '$2'"; fi; }
 
 switch_on() {
-  ip netns exec slamd_sensor "$bin/slamd-simulate" --live --lidar "$lidar" --seed 5 --duration 600 \
+  ip netns exec slamd_sensor "$bin/slamd-simulate" --live --lidar "$lidar" --seed 5 --duration 600 "$@" \
     >/dev/null 2>>"$work/device.log" &
   device=$!
   pids+=("$device")
@@ -77,7 +77,7 @@ keep() {
   configure "$@"
   start_daemon "$work/first.log"
   cause_is "no device is there" 'searching|not to be heard' 8
-  switch_on
+  switch_on --device-extrinsic 0.1,-0.2,0.3,0,0,90
   back_to_tracking "switched on" 20
 
   ip -n slamd_host link set slamd_a down
@@ -104,6 +104,9 @@ keep() {
   kill -TERM "$device"; wait "$device"
   logs "how many packets the device sent" 'the device sent [0-9]{4,} packets, and kept [0-9]{3,} that no host wanted' "$work/device.log"
   logs "that the device was connected" "$2 at 10\.77\.0\.2 is connected" "$work/first.log"
+  logs "what extrinsic it has stored" "$2 has an extrinsic stored: xyz_m = \[0\.100, -0\.200, 0\.300\], rpy_deg = \[0, 0, 90\]; it is not what lidar\.T_base_lidar says, and slamd ignores it" "$work/first.log"
+  if [ "$(grep -c "$2 has an extrinsic stored" "$work/first.log")" -eq 1 ]; then pass "$lidar: once, though it was connected twice"; else fail "$lidar: the log repeats the extrinsic"; fi
+  logs "that no extrinsic is stored" "$2 has no extrinsic stored$" "$work/second.log"
   logs "that it was lost" "$2 at 10\.77\.0\.2 was lost" "$work/first.log"
   logs "that it samples for the second daemon" "$2 samples" "$work/second.log"
   logs "that it was let go" "$2 was stopped" "$work/second.log"

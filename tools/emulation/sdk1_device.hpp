@@ -18,6 +18,7 @@ struct Sdk1DeviceConfig {
   Duration boots = std::chrono::seconds{1};
   std::uint8_t coordinate = 0;
   std::uint8_t return_mode = 0;
+  livox::Sdk1Extrinsic extrinsic;  // as it is stored
   /// The wall clock minus the device's, where it has a PPS line: its edges are whole seconds of UTC.
   std::optional<Duration> utc_minus_own;
 };
@@ -45,7 +46,8 @@ class Sdk1Device final : public Device {
   static constexpr Duration kUtcFrom = std::chrono::milliseconds{10};
   static constexpr Duration kUtcUntil = std::chrono::milliseconds{500};
 
-  Sdk1Device(const Sdk1DeviceConfig& config, Stamp power_up) : config_(config), power_up_(power_up) {}
+  Sdk1Device(const Sdk1DeviceConfig& config, Stamp power_up)
+      : config_(config), power_up_(power_up), extrinsic_(config.extrinsic) {}
 
   void receive(std::span<const std::byte> datagram, livox::Endpoint from, std::uint16_t to_port, Stamp now,
                DeviceOutput& out) override;

@@ -26,11 +26,13 @@ std::uint32_t own_address() {
   return 0;
 }
 
-std::unique_ptr<emulation::Device> device_of(const Drive& drive, const std::string& code, std::optional<Duration> utc_minus_own,
-                                             Stamp power_up, emulation::Sdk1Device*& avia) {
+std::unique_ptr<emulation::Device> device_of(const Drive& drive, const DeviceOptions& options, Duration utc_minus_own, Stamp power_up,
+                                             emulation::Sdk1Device*& avia) {
+  const std::string& code = options.code;
   if (drive.lidar == LidarKind::kLivoxAvia) {
     emulation::Sdk1DeviceConfig config;
-    config.utc_minus_own = utc_minus_own;
+    config.extrinsic = options.extrinsic;
+    config.utc_minus_own = options.pps ? std::optional(utc_minus_own) : std::nullopt;
     config.code = code.empty() ? config.code : livox::DeviceCode::of(code);
     config.coordinate = drive.spherical ? 1 : 0;
     config.return_mode = static_cast<std::uint8_t>(drive.returns);
@@ -40,6 +42,7 @@ std::unique_ptr<emulation::Device> device_of(const Drive& drive, const std::stri
   }
   emulation::Sdk2DeviceConfig config;
   config.serial_number = code.empty() ? config.serial_number : livox::DeviceCode::of(code);
+  config.attitude = options.extrinsic;
   config.address = own_address();
   config.power_ups = static_cast<std::uint32_t>(std::time(nullptr));  // more with each start, as a device's
   return std::make_unique<emulation::Sdk2Device>(config, power_up);
@@ -47,11 +50,11 @@ std::unique_ptr<emulation::Device> device_of(const Drive& drive, const std::stri
 
 }  // namespace
 
-LiveDevice::LiveDevice(const Drive& drive, const std::string& code, bool pps, replay::SendClock& clock,
+LiveDevice::LiveDevice(const Drive& drive, const DeviceOptions& options, replay::SendClock& clock,
                        const std::function<void(const std::string&)>& say)
     : clock_(clock),
       utc_minus_own_(std::chrono::system_clock::now().time_since_epoch() - clock.now()),
-      device_(device_of(drive, code, pps ? std::optional(utc_minus_own_) : std::nullopt, Stamp(clock.now()), avia_),
+      device_(device_of(drive, options, utc_minus_own_, Stamp(clock.now()), avia_),
               [say](const std::string& text) { say("the device " + text); }) {}
 
 void LiveDevice::send(std::span<const std::byte> payload, Duration wall_minus_recorded) {

@@ -12,12 +12,18 @@
 
 namespace slamd::simulate {
 
+/// What an emulated device is, beside what its drive says.
+struct DeviceOptions {
+  std::string code;                // its broadcast code or serial number; empty: one that a document shows
+  bool pps = false;                // an Avia: a PPS line that beats with the wall clock
+  livox::Sdk1Extrinsic extrinsic;  // as it is stored in the device
+};
+
 /// The Livox of a live drive as a device on the network: a host finds, sets and starts it, and gets its packets.
 class LiveDevice final : public PacketOutlet {
  public:
-  /// `code`: its broadcast code or serial number; empty: one that a document shows. With `pps`, an Avia has a PPS line that
-  /// beats with the wall clock. `say` hears what becomes of it. Errors: TransportError when one of its ports is taken.
-  LiveDevice(const Drive& drive, const std::string& code, bool pps, replay::SendClock& clock,
+  /// `say` hears what becomes of it. Errors: TransportError when one of its ports is taken.
+  LiveDevice(const Drive& drive, const DeviceOptions& options, replay::SendClock& clock,
              const std::function<void(const std::string&)>& say);
 
   /// Answers its hosts, and sends a packet if one wants it, stamped as the device's clock stands.

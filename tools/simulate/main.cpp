@@ -80,7 +80,7 @@ int run_drive(const simulate::Drive& drive, const simulate::Options& options) {
     };
     std::optional<simulate::LiveDevice> device;
     if (options.live) {
-      device.emplace(drive, options.device_code, options.pps, clock, say);
+      device.emplace(drive, device_options_of(options), clock, say);
     }
     report = simulate::drive_live(drive, live, clock, cli::is_interrupted, [&](double share) { progress.show(share); }, say,
                                   device ? &*device : nullptr);

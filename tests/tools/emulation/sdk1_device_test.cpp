@@ -226,6 +226,18 @@ TEST_F(Sdk1DeviceTest, CannotUseTheUtcWithoutPps) {
   EXPECT_EQ(ask(Sdk1Command::kHeartbeat), "00010000000000");
 }
 
+TEST_F(Sdk1DeviceTest, TellsSlamdsHostTheExtrinsicThatIsStored) {
+  Sdk1DeviceConfig config;
+  config.extrinsic = {{0.0F, 0.0F, 90.0F}, {100, -200, 300}};
+  sut_ = Sdk1Device(config, wire_.now);
+  livox::Sdk1Host host({});
+  wire_.join(host, kHostAddress);
+
+  wire_.run(seconds{4});
+
+  EXPECT_EQ(host.extrinsic(), config.extrinsic);
+}
+
 TEST_F(Sdk1DeviceTest, RestsAndWakesWhenTold) {
   start();
 
