@@ -47,8 +47,12 @@ std::int64_t nearest_congruent(std::int64_t rest, std::int64_t period, std::int6
 }  // namespace
 
 ClockModel::ClockModel(const ClockConfig& config) : config_(config) {
-  SLAMD_ASSERT(config.roll_over >= Duration::zero() &&
-               config.roll_over <= std::chrono::hours{24 * 365});
+  set_roll_over(config.roll_over);
+}
+
+void ClockModel::set_roll_over(Duration roll_over) {
+  SLAMD_ASSERT(roll_over >= Duration::zero() && roll_over <= std::chrono::hours{24 * 365});
+  config_.roll_over = roll_over;
 }
 
 Stamp ClockModel::map(DeviceStamp device, Stamp arrival) {

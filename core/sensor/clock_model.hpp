@@ -76,6 +76,10 @@ class ClockModel {
   /// mapped to.
   Stamp map(DeviceStamp device, Stamp arrival);
 
+  /// Says after how long the stamps from now on begin again at zero; 0: never. A device that finds or loses its PPS
+  /// counts otherwise from one packet to the next.
+  void set_roll_over(Duration roll_over);
+
   const ClockHealth& health() const { return health_; }
 
   /// Begins new residual statistics.

@@ -3,6 +3,7 @@
 #include <optional>
 #include <utility>
 
+#include "daemon/devices/extrinsic_words.hpp"
 #include "drivers/livox/sdk2_host.hpp"
 #include "drivers/transport/interfaces.hpp"
 
@@ -74,7 +75,9 @@ std::unique_ptr<livox::DeviceHost> make_host(const Configuration& configuration)
 }
 
 LivoxDevice::LivoxDevice(const Configuration& configuration)
-    : host_(make_host(configuration)), words_(configuration.lidar.clock == configuration::SensorClock::kShared, configuration.lidar.device.set_utc) {
+    : host_(make_host(configuration)),
+      words_(configuration.lidar.clock == configuration::SensorClock::kShared, configuration.lidar.device.set_utc),
+      T_base_lidar_(configuration.lidar.T_base_lidar) {
   timed_ = configuration.lidar.device.set_utc ? dynamic_cast<livox::Sdk1Host*>(host_.get()) : nullptr;
   const bool avia = configuration.lidar.model == LidarModel::kLivoxAvia;
   const auto bind = [&](int port, DatagramSocket::Sharing sharing) {
@@ -148,7 +151,15 @@ void LivoxDevice::hand_out(const Say& say) {
       continue;  // once a second
     }
     time_was_set_ = time_was_set_ && event.kind != livox::HostEventKind::kConnected;
-    say("device " + std::to_string(static_cast<int>(event.kind)) + event.command, words_for(event));
+    std::string sentence = words_for(event);
+    if (event.kind == livox::HostEventKind::kExtrinsicRead) {
+      if (std::exchange(told_extrinsic_, sentence) == sentence) {
+        continue;  // with each connection
+      }
+      const std::string remark = extrinsic_remark(event.extrinsic, T_base_lidar_);
+      sentence += remark.empty() ? "" : "; " + remark;
+    }
+    say("device " + std::to_string(static_cast<int>(event.kind)) + event.command, sentence);
   }
   out_.events.clear();
   send_out();

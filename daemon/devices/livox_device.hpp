@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/base/stamp.hpp"
+#include "core/geometry/se3.hpp"
 #include "daemon/configuration/configuration.hpp"
 #include "daemon/devices/device_words.hpp"
 #include "daemon/devices/utc_feed.hpp"
@@ -75,6 +76,8 @@ class LivoxDevice {
   livox::HostOutput out_;
   DeviceWords words_;
   DataWatch data_watch_;
+  geometry::Se3 T_base_lidar_;
+  std::string told_extrinsic_;  // whose, and which
   livox::Sdk1Host* timed_ = nullptr;  // the host, where it is to be told the time
   UtcFeed utc_;
   bool time_was_set_ = false;  // since it was connected

@@ -73,6 +73,14 @@ PacketOutcome PacketStage::add(const recording::Packet& packet, sensor::PointBlo
   return livox_ ? add_livox(packet, block) : add_velodyne(packet, block);
 }
 
+/// An Avia's packets say each for itself what their stamps count from: a PPS that comes or goes changes it.
+void PacketStage::follow_timestamp_type() {
+  if (livox_ && !sdk2_) {
+    const bool pps = livox_decoder_.last_header().timestamp_type == static_cast<std::uint8_t>(livox::TimestampType::kPps);
+    clock_.set_roll_over(pps ? livox::kPpsRollOver : Duration{});
+  }
+}
+
 void PacketStage::stamp(sensor::PointBlock& block) {
   // A packet leaves when its last firing is done: that, not its first, is what latency counts from.
   block.stamp = clock_.map(block.device_stamp, block.received - block.duration);
@@ -116,7 +124,9 @@ PacketOutcome PacketStage::add_livox(const recording::Packet& packet, sensor::Po
     ++foreign_;
     return outcome;
   }
-  switch (decode_livox(packet, block)) {
+  const livox::DecodeResult result = decode_livox(packet, block);
+  follow_timestamp_type();
+  switch (result) {
     case livox::DecodeResult::kPoints:
       stamp(block);
       outcome.has_block = true;

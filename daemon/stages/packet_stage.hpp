@@ -63,6 +63,7 @@ class PacketStage {
   PacketOutcome add_livox(const recording::Packet& packet, sensor::PointBlock& block);
   livox::DecodeResult decode_livox(const recording::Packet& packet, sensor::PointBlock& block);
   const livox::LivoxCounters& livox_counters() const;
+  void follow_timestamp_type();
   void stamp(sensor::PointBlock& block);
 
   bool livox_;

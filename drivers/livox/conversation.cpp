@@ -55,4 +55,8 @@ void Conversation::tell(HostEventKind kind, HostOutput& out, std::uint32_t value
   out.events.try_push_back({kind, code_, device_.address, value, command});
 }
 
+void Conversation::tell_extrinsic(const Sdk1Extrinsic& extrinsic, HostOutput& out) const {
+  out.events.try_push_back({HostEventKind::kExtrinsicRead, code_, device_.address, 0, "", extrinsic});
+}
+
 }  // namespace slamd::livox

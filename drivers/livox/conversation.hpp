@@ -104,6 +104,7 @@ class Conversation {
 
   /// Tells something of the device.
   void tell(HostEventKind kind, HostOutput& out, std::uint32_t value = 0, const char* command = "") const;
+  void tell_extrinsic(const Sdk1Extrinsic& extrinsic, HostOutput& out) const;
 
   void count_stranger() { ++counters_.strangers; }
   void count_unexpected() { ++counters_.unexpected; }

@@ -1,5 +1,7 @@
 #include "drivers/livox/host_event.hpp"
 
+#include <cstdio>
+
 #include "drivers/livox/status_code.hpp"
 
 namespace slamd::livox {
@@ -18,6 +20,18 @@ std::string status_words(std::uint32_t code) {
     words += ", " + std::string(concern);
   }
   return words;
+}
+
+std::string extrinsic_words(const Sdk1Extrinsic& extrinsic) {
+  if (extrinsic == Sdk1Extrinsic{}) {
+    return " has no extrinsic stored";
+  }
+  const auto& [roll, pitch, yaw] = extrinsic.rpy_deg;
+  const auto& [x, y, z] = extrinsic.xyz_mm;
+  char text[160];
+  std::snprintf(text, sizeof text, " has an extrinsic stored: xyz_m = [%.3f, %.3f, %.3f], rpy_deg = [%.6g, %.6g, %.6g]", 1e-3 * x,
+                1e-3 * y, 1e-3 * z, roll, pitch, yaw);
+  return text;
 }
 
 }  // namespace
@@ -52,7 +66,7 @@ std::string words_for(const HostEvent& event) {
     case HostEventKind::kStatusChanged:
       return who + " says: " + status_words(event.value);
     case HostEventKind::kExtrinsicRead:
-      return who + " has told its stored extrinsic";
+      return who + extrinsic_words(event.extrinsic);
     case HostEventKind::kCommandFailed:
       return who + (event.value == kNoResult ? " does not answer: " : " refuses with code " + value + ": ") +
              event.command;

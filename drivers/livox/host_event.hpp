@@ -34,7 +34,7 @@ enum class HostEventKind : std::uint8_t {
   kInitialising,     // value: %
   kStateChanged,     // value: its work state, as the protocol counts
   kStatusChanged,    // value: its status code
-  kExtrinsicRead,    // see the host's extrinsic()
+  kExtrinsicRead,    // see extrinsic
   kCommandFailed,    // command was refused (value: why) or not answered (value: kNoResult)
   kTimeSet,
   kSampling,
@@ -56,6 +56,7 @@ struct HostEvent {
   std::uint32_t address = 0;  // the device's
   std::uint32_t value = 0;
   const char* command = "";  // kCommandFailed: what was wanted, in words
+  Sdk1Extrinsic extrinsic{};  // kExtrinsicRead: as the device has it stored
 };
 
 /// Says an event in words, on one line.

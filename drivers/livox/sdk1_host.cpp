@@ -144,6 +144,7 @@ void Sdk1Host::take_handshake_ack(const Sdk1Frame& frame, Stamp now, HostOutput&
   work_.reset();
   progress_.reset();
   status_.reset();
+  extrinsic_.reset();
   conversation_.tell(HostEventKind::kConnected, out);
   heartbeat(now, out);
 }
@@ -273,7 +274,9 @@ void Sdk1Host::take_step_ack(const Sdk1Frame& frame, Stamp now, HostOutput& out)
   } else if (step_ == Sdk1Step::kExtrinsic) {
     extrinsic_ = Sdk1Extrinsic::parse(frame.payload.subspan(1));
     if (extrinsic_) {
-      conversation_.tell(HostEventKind::kExtrinsicRead, out);
+      conversation_.tell_extrinsic(*extrinsic_, out);
+    } else {
+      conversation_.count_unexpected();
     }
   }
   begin_step(after(step_), now, out);

@@ -77,6 +77,7 @@ struct Sdk1Extrinsic {
   /// Of the 24 bytes alone; an answer has its result in front of them.
   static std::optional<Sdk1Extrinsic> parse(std::span<const std::byte> payload);
   Payload bytes() const;
+  bool operator==(const Sdk1Extrinsic&) const = default;
 };
 
 /// The hour that the last PPS edge lay in, and where.

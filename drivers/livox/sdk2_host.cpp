@@ -186,7 +186,7 @@ void Sdk2Host::take_value(const Sdk2Value& value, Stamp now, HostOutput& out) {
     case Sdk2Key::kAttitude:
       if (const auto attitude = Sdk1Extrinsic::parse(value.bytes)) {
         attitude_ = attitude;
-        conversation_.tell(HostEventKind::kExtrinsicRead, out);
+        conversation_.tell_extrinsic(*attitude, out);
       }
       break;
     case Sdk2Key::kTemperature:

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # slamd and Livox devices on a network: emulated ones in a namespace of their own, which slamd finds, sets and starts; a
-# cable that is pulled and put back, a device that is switched off and on, a daemon that is killed: each time back to
+# cable that is pulled and put back, also while the vehicle drives on, a device that is switched off and on, a daemon that is killed: each time back to
 # TRACKING without a hand. Needs root for the namespaces.
 set -uo pipefail
 cd "$(dirname "$0")/../.."
@@ -13,22 +13,55 @@ space=slamd_host  # whose daemon is asked
 now_ms() { date +%s%3N; }
 health() { ip netns exec "$space" "$bin/slamd-status" --once --json 2>/dev/null; }
 
-# back_to_tracking WHAT SECONDS [BEGAN]: the daemon says TRACKING, and its sensors run, within so long of now or BEGAN;
-# says how long it took. The vehicle stands still: the pose has to be where it was.
-back_to_tracking() {
+# tracking_again WHAT SECONDS [BEGAN]: the daemon says TRACKING, and its sensors run, within so long of now or BEGAN;
+# says how long it took.
+tracking_again() {
   local began=${3:-$(now_ms)} said
   while [ $(($(now_ms) - began)) -lt $((1000 * $2)) ]; do
     said=$(health)
-    if jq -e '.health.state == "TRACKING" and all(.health.sensors[]; .state == "running")' <<<"$said" >/dev/null 2>&1; then
+    if [ -n "$said" ] && jq -e '.health.state == "TRACKING" and all(.health.sensors[]; .state == "running")' <<<"$said" >/dev/null 2>&1; then
       pass "$lidar: $1: TRACKING after $(awk "BEGIN { printf \"%.1f\", ($(now_ms) - $began) / 1000 }") s"
       echo "$said" >"$work/health.json"
-      holds "$lidar: $1: the pose is where it was" "$work/health.json" '.pose.T_odom_base.position_m | map(. * .) | add | sqrt < 0.2'
       return
     fi
     sleep 0.1
   done
   fail "$lidar: $1: not TRACKING within $2 s: $(jq -c '[.health.state, .health.causes]' <<<"$said")"
   tail -n 5 "$log"
+  return 1
+}
+
+# back_to_tracking, likewise, of a vehicle that stands still: the pose has to be where it was.
+back_to_tracking() {
+  tracking_again "$@" &&
+    holds "$lidar: $1: the pose is where it was" "$work/health.json" '.pose.T_odom_base.position_m | map(. * .) | add | sqrt < 0.2'
+}
+
+# drive_on: the vehicle drives on for 3 s at 0.5 m/s while the cable is out; slamd has to find where it is by itself.
+drive_on() {
+  ip netns exec slamd_sensor "$bin/slamd-status" --truth "$work/truth.tum" >/dev/null &
+  local listener=$!
+  pids+=("$listener")
+  on_sensor "$bin/slamd-ctl" drive 0.5 0 5 &  # begins to drive while slamd tracks
+  local driver=$!
+  pids+=("$driver")
+  sleep 2
+  ip -n slamd_host link set slamd_a down
+  wait "$driver"
+  sleep 0.5
+  ip -n slamd_host link set slamd_a up
+  tracking_again "drove on while it was unplugged for 3.5 s" 20
+  sleep 0.5
+  health >"$work/health.json"
+  kill -TERM "$listener"; wait "$listener"
+  # From where it began, in the axes of the vehicle then, as odom's are.
+  awk 'NR == 1 { x = $2; y = $3; yaw = 2 * atan2($7, $8) }
+       END { c = cos(yaw); s = sin(yaw); dx = $2 - x; dy = $3 - y
+             printf "[%.3f, %.3f]\n", c * dx + s * dy, c * dy - s * dx }' "$work/truth.tum" >"$work/truth.json"
+  jq -c --slurpfile truth "$work/truth.json" '{truth: $truth[0], pose: .pose.T_odom_base.position_m[:2]} |
+    . + {off_m: ([.truth, .pose] | transpose | map(.[0] - .[1] | . * .) | add | sqrt)}' "$work/health.json" >"$work/off.json"
+  holds "$lidar: the vehicle has gone on" "$work/off.json" '.truth | map(. * .) | add | sqrt > 1.5'
+  holds "$lidar: the pose is the truth's within 0.3 m: $(cat "$work/off.json")" "$work/off.json" '.off_m < 0.3'
 }
 
 # cause_is WHAT PATTERN SECONDS: health names a cause like this within so long.
@@ -46,7 +79,7 @@ cause_is() {
 logs() { if grep -qE "$2" "$3"; then pass "$lidar: the log says $1"; else fail "$lidar: no line like '$2'"; fi; }
 
 switch_on() {
-  ip netns exec slamd_sensor "$bin/slamd-simulate" --live --lidar "$lidar" --seed 5 --duration 600 \
+  ip netns exec slamd_sensor "$bin/slamd-simulate" --live --lidar "$lidar" --seed 5 --duration 600 "$@" \
     >/dev/null 2>>"$work/device.log" &
   device=$!
   pids+=("$device")
@@ -77,7 +110,7 @@ keep() {
   configure "$@"
   start_daemon "$work/first.log"
   cause_is "no device is there" 'searching|not to be heard' 8
-  switch_on
+  switch_on --device-extrinsic 0.1,-0.2,0.3,0,0,90
   back_to_tracking "switched on" 20
 
   ip -n slamd_host link set slamd_a down
@@ -89,6 +122,8 @@ keep() {
   cause_is "switched off" 'lost, looked for again|not to be heard' 8
   switch_on
   back_to_tracking "switched off and on" 20
+
+  if [ "$lidar" = livox_avia ]; then drive_on; fi
 
   kill -9 "$daemon"; wait "$daemon" 2>/dev/null
   local started
@@ -104,6 +139,9 @@ keep() {
   kill -TERM "$device"; wait "$device"
   logs "how many packets the device sent" 'the device sent [0-9]{4,} packets, and kept [0-9]{3,} that no host wanted' "$work/device.log"
   logs "that the device was connected" "$2 at 10\.77\.0\.2 is connected" "$work/first.log"
+  logs "what extrinsic it has stored" "$2 has an extrinsic stored: xyz_m = \[0\.100, -0\.200, 0\.300\], rpy_deg = \[0, 0, 90\]; it is not what lidar\.T_base_lidar says, and slamd ignores it" "$work/first.log"
+  if [ "$(grep -c "$2 has an extrinsic stored" "$work/first.log")" -eq 1 ]; then pass "$lidar: once, though it was connected twice"; else fail "$lidar: the log repeats the extrinsic"; fi
+  logs "that no extrinsic is stored" "$2 has no extrinsic stored$" "$work/second.log"
   logs "that it was lost" "$2 at 10\.77\.0\.2 was lost" "$work/first.log"
   logs "that it samples for the second daemon" "$2 samples" "$work/second.log"
   logs "that it was let go" "$2 was stopped" "$work/second.log"

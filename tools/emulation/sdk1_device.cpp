@@ -1,7 +1,9 @@
 #include "tools/emulation/sdk1_device.hpp"
 
+#include <algorithm>
+
 #include "core/base/bytes.hpp"
-#include "drivers/livox/status_code.hpp"
+#include "drivers/livox/data_header.hpp"
 #include "drivers/transport/udp_receiver.hpp"
 
 namespace slamd::emulation {
@@ -19,6 +21,31 @@ namespace {
 
 constexpr std::uint8_t kDone = 0;
 constexpr std::uint8_t kFailed = 1;
+
+// Of the status code.
+constexpr std::uint32_t kPpsPresent = 1U << 9;
+constexpr unsigned kTimeSyncShift = 14;
+
+Duration since_1970(const livox::Sdk1Utc& utc) {
+  const std::chrono::year_month_day date{std::chrono::year{utc.year}, std::chrono::month{utc.month},
+                                         std::chrono::day{utc.day}};
+  return std::chrono::sys_days{date}.time_since_epoch() + std::chrono::hours{utc.hour} +
+         std::chrono::microseconds{utc.in_hour_us};
+}
+
+livox::Sdk1Utc utc_of(Duration since_1970) {
+  const std::chrono::sys_time<Duration> time{since_1970};
+  const auto day = std::chrono::floor<std::chrono::days>(time);
+  const auto hour = std::chrono::floor<std::chrono::hours>(time);
+  const std::chrono::year_month_day date{day};
+  livox::Sdk1Utc utc;
+  utc.year = static_cast<std::uint16_t>(static_cast<int>(date.year()));
+  utc.month = static_cast<std::uint8_t>(static_cast<unsigned>(date.month()));
+  utc.day = static_cast<std::uint8_t>(static_cast<unsigned>(date.day()));
+  utc.hour = static_cast<std::uint8_t>((hour - day) / std::chrono::hours{1});
+  utc.in_hour_us = static_cast<std::uint32_t>((time - hour) / std::chrono::microseconds{1});
+  return utc;
+}
 
 bool is_one(std::span<const std::byte> payload, std::uint8_t value) {
   return payload.size() == 1 && payload[0] == std::byte{value};
@@ -108,8 +135,7 @@ Payload Sdk1Device::answer_to(const Sdk1Frame& frame, Stamp now, DeviceOutput& o
     case Sdk1Command::kSetMode:
       return one_byte(set_mode(frame.payload, out));
     case Sdk1Command::kSetUtc:
-      utc_ = livox::Sdk1Utc::parse(frame.payload);
-      return one_byte(utc_ ? kDone : kFailed);
+      return one_byte(set_utc(frame.payload, now, out));
     case Sdk1Command::kDisconnect:
       return one_byte(kDone);
     default:
@@ -119,7 +145,7 @@ Payload Sdk1Device::answer_to(const Sdk1Frame& frame, Stamp now, DeviceOutput& o
 
 Payload Sdk1Device::heartbeat_answer(Stamp now) {
   heard_ = now;
-  livox::Sdk1HeartbeatAck ack{kDone, work_, 0, status_};
+  livox::Sdk1HeartbeatAck ack{kDone, work_, 0, status()};
   if (work_ == Sdk1WorkState::kInitialising && config_.boots > Duration{}) {
     ack.status_or_progress = static_cast<std::uint32_t>(100 * (now - power_up_) / config_.boots);
   }
@@ -161,6 +187,46 @@ std::uint8_t Sdk1Device::set_extrinsic(std::span<const std::byte> payload) {
   return extrinsic ? kDone : kFailed;
 }
 
+std::uint8_t Sdk1Device::set_utc(std::span<const std::byte> payload, Stamp now, DeviceOutput& out) {
+  utc_ = livox::Sdk1Utc::parse(payload);
+  if (!utc_) {
+    return kFailed;
+  }
+  ++utc_told_;
+  const Stamp edge = config_.utc_minus_own ? edge_before(now) : now;
+  if (now - edge < kUtcFrom || now - edge > kUtcUntil) {
+    ++utc_unused_;
+    return kDone;  // heard, but it says nothing of an edge
+  }
+  told_minus_own_ = since_1970(*utc_) - edge.time_since_epoch();
+  if (sync_ != livox::TimeSync::kGps) {
+    sync_ = livox::TimeSync::kGps;
+    out.news.push_back("follows GPS");
+  }
+  return kDone;
+}
+
+Stamp Sdk1Device::edge_before(Stamp now) const {
+  const Duration utc = now.time_since_epoch() + *config_.utc_minus_own;
+  return now - (utc - std::chrono::floor<std::chrono::seconds>(utc));
+}
+
+std::uint32_t Sdk1Device::status() const {
+  return status_ | static_cast<std::uint32_t>(sync_) << kTimeSyncShift | (config_.utc_minus_own ? kPpsPresent : 0U);
+}
+
+void Sdk1Device::stamp(std::span<std::byte> packet, Stamp taken) const {
+  store_le(packet, 4, status());
+  if (sync_ == livox::TimeSync::kPps) {
+    packet[8] = static_cast<std::byte>(livox::TimestampType::kPps);
+    store_le(packet, 10, static_cast<std::uint64_t>((taken - edge_before(taken)).count()));
+  } else if (sync_ == livox::TimeSync::kGps) {
+    packet[8] = static_cast<std::byte>(livox::TimestampType::kGps);
+    const livox::Sdk1Utc date = utc_of(taken.time_since_epoch() + told_minus_own_);
+    std::ranges::copy(date.bytes(), packet.begin() + 10);
+  }
+}
+
 void Sdk1Device::give_up(const char* why, DeviceOutput& out) {
   out.news.push_back("looks for a host: " + transport::dotted(host_.host_address) + " " + why);
   state_ = Sdk1DeviceState::kLooking;
@@ -171,6 +237,10 @@ void Sdk1Device::advance(Stamp now, DeviceOutput& out) {
   if (work_ == Sdk1WorkState::kInitialising && now - power_up_ >= config_.boots) {
     work_ = Sdk1WorkState::kNormal;
   }
+  if (sync_ == livox::TimeSync::kNone && config_.utc_minus_own && edge_before(now) > power_up_) {
+    sync_ = livox::TimeSync::kPps;
+    out.news.push_back("follows PPS");
+  }
   if (state_ != Sdk1DeviceState::kLooking && now - heard_ > kGivesUpAfter) {
     give_up("has fallen silent", out);
   }
@@ -180,11 +250,11 @@ void Sdk1Device::advance(Stamp now, DeviceOutput& out) {
       send(Sdk1FrameType::kMessage, 0, Sdk1Command::kBroadcast, livox::Sdk1Broadcast{config_.code, config_.type, 0}.bytes(),
            {livox::kEverybody, kBroadcastPort}, out);
     }
-  } else if (livox::parse_status_code(status_).system != livox::Severity::kNormal && now >= next_status_) {
+  } else if (livox::parse_status_code(status()).system != livox::Severity::kNormal && now >= next_status_) {
     next_status_ = now + kStatusEvery;
     Payload code;
     for (unsigned shift = 0; shift < 32; shift += 8) {
-      code.push_back(static_cast<std::byte>(status_ >> shift));
+      code.push_back(static_cast<std::byte>(status() >> shift));
     }
     send(Sdk1FrameType::kMessage, ++messages_, Sdk1Command::kAbnormalStatus, code, {host_.host_address, host_.command_port},
          out);

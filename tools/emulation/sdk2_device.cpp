@@ -45,7 +45,7 @@ Sdk2Device::Sdk2Device(const Sdk2DeviceConfig& config, Stamp power_up) : config_
   values_[Sdk2Key::kStateDestination] = bytes_of(Sdk2Destination{}.bytes().view());
   values_[Sdk2Key::kPointDestination] = values_[Sdk2Key::kStateDestination];
   values_[Sdk2Key::kImuDestination] = values_[Sdk2Key::kStateDestination];
-  values_[Sdk2Key::kAttitude] = bytes_of(livox::Sdk1Extrinsic{}.bytes().view());
+  values_[Sdk2Key::kAttitude] = bytes_of(config.attitude.bytes().view());
   values_[Sdk2Key::kWorkMode] = le(static_cast<std::uint8_t>(Sdk2DeviceState::kIdle));
   values_[Sdk2Key::kImuEnable] = le<std::uint8_t>(1);
   values_[Sdk2Key::kSerialNumber] = bytes_of(std::as_bytes(std::span(config.serial_number.characters)));

@@ -13,6 +13,7 @@ struct Sdk2DeviceConfig {
   std::uint8_t type = 9;
   std::uint32_t address = 0;    // its own, host order
   std::uint32_t power_ups = 1;  // how often it was switched on
+  livox::Sdk1Extrinsic attitude;  // as it is stored
   Duration boots = std::chrono::seconds{1};
   Duration motor_starts = std::chrono::milliseconds{500};
 };

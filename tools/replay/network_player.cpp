@@ -209,6 +209,11 @@ void NetworkPlayer::begin(Stamp first) {
   begin_ = clock_.now();
   const auto wall = std::chrono::system_clock::now().time_since_epoch();
   report_.wall_minus_recorded = std::chrono::duration_cast<Duration>(wall) - first_.time_since_epoch();
+  if (takes_fixes()) {  // a receiver measures on whole parts of UTC's second, as recordings have it of their own
+    const Duration wait = std::chrono::ceil<std::chrono::seconds>(report_.wall_minus_recorded) - report_.wall_minus_recorded;
+    begin_ += wait;
+    report_.wall_minus_recorded += wait;
+  }
 }
 
 void NetworkPlayer::send(const Packet& packet) {

@@ -118,7 +118,8 @@ class NetworkPlayer {
   /// Waits up to kReaderPatience until somebody reads each terminal, if there are any.
   void wait_for_reader();
 
-  /// Lets what is stamped `first` be due now.
+  /// Lets what is stamped `first` be due now; where fixes go, up to a second later: whole seconds of stamps are then such of
+  /// the wall clock.
   void begin(Stamp first);
 
   /// Waits for the packet's time and sends it; a packet that is none of the LiDAR's is only counted.

@@ -154,7 +154,7 @@ class Sender {
     if (outlet_ == nullptr) {
       player_.send(packet);
     } else if (player_.wait_until(packet.received)) {
-      outlet_->send(packet.payload);
+      outlet_->send(packet.payload, player_.wall_minus_recorded());
     }
   }
 
@@ -326,6 +326,11 @@ std::string json_of(const LiveReport& report) {
   json["path_m"] = report.path_m;
   json["commands"] = {{"heard", report.commands}, {"malformed", report.commands_malformed}};
   json["collisions"] = report.collisions;
+  if (report.device) {
+    json["device"] = {{"sent", report.device->sent},
+                      {"unwanted", report.device->unwanted},
+                      {"utc", {{"told", report.device->utc_told}, {"unused", report.device->utc_unused}}}};
+  }
   return json.dump(2) + "\n";
 }
 

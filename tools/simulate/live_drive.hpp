@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -73,8 +74,8 @@ class PacketOutlet {
  public:
   virtual ~PacketOutlet() = default;
 
-  /// Sends a packet whose time has come, or keeps it.
-  virtual void send(std::span<const std::byte> payload) = 0;
+  /// Sends a packet whose time has come, or keeps it. Wall clock minus stamps of the drive: when it was taken.
+  virtual void send(std::span<const std::byte> payload, Duration wall_minus_recorded) = 0;
 };
 
 /// Where a live drive goes, and who commands it.
@@ -85,6 +86,14 @@ struct LiveOptions {
   std::filesystem::path directory;  // of a recording; empty: none
 };
 
+/// What became of an emulated device.
+struct DeviceReport {
+  std::uint64_t sent = 0;        // packets
+  std::uint64_t unwanted = 0;    // by any host, or by the network
+  std::uint64_t utc_told = 0;    // an Avia: how often
+  std::uint64_t utc_unused = 0;  // of those: without PPS, or not in time after an edge
+};
+
 /// What became of a live drive.
 struct LiveReport {
   replay::ToNetworkReport sent;
@@ -93,6 +102,7 @@ struct LiveReport {
   std::uint64_t commands = 0;
   std::uint64_t commands_malformed = 0;
   std::uint32_t collisions = 0;
+  std::optional<DeviceReport> device;
 };
 
 /// Drives a vehicle by velocity commands from LCM in real time: its sensors' packets and rows go to the network as they

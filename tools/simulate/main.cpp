@@ -80,12 +80,13 @@ int run_drive(const simulate::Drive& drive, const simulate::Options& options) {
     };
     std::optional<simulate::LiveDevice> device;
     if (options.live) {
-      device.emplace(drive, options.device_code, clock, say);
+      device.emplace(drive, device_options_of(options), clock, say);
     }
     report = simulate::drive_live(drive, live, clock, cli::is_interrupted, [&](double share) { progress.show(share); }, say,
                                   device ? &*device : nullptr);
     if (device) {
       say(device->summary());
+      report.device = device->report();
     }
   }
   std::fputs((options.json ? json_of(report) : summary_of(report)).c_str(), stdout);

@@ -61,6 +61,12 @@ void check_live(const Options& options, const Drive& drive) {
   if (!options.live && !options.device_code.empty()) {
     throw cli::UsageError("--device-code is of use with --live");
   }
+  if (!options.live && !options.device_extrinsic.empty()) {
+    throw cli::UsageError("--device-extrinsic is of use with --live");
+  }
+  if (options.pps && !(options.live && drive.lidar == LidarKind::kLivoxAvia)) {
+    throw cli::UsageError("--pps is of use with --live and an Avia");
+  }
   if (options.live && drive.lidar != LidarKind::kLivoxAvia && drive.lidar != LidarKind::kLivoxMid360) {
     throw cli::UsageError("--live: " + options.lidar + " has nothing to say to a host; --drive sends its packets");
   }
@@ -176,6 +182,14 @@ void declare(CLI::App& app, Options& options) {
       ->excludes("--drive", "--vehicle", "--waypoints", "--replay", "--preview")
       ->group(kLive);
   app.add_option("--device-code", options.device_code, "With --live: its broadcast code or serial number")->group(kLive);
+  app.add_option("--device-extrinsic", options.device_extrinsic,
+                 "With --live: X,Y,Z,ROLL,PITCH,YAW that is stored in the device (m, °); it moves no point")
+      ->delimiter(',')
+      ->expected(6)
+      ->check(CLI::Range(-360.0, 360.0))
+      ->group(kLive);
+  app.add_flag("--pps", options.pps, "With --live, an Avia: a PPS line that beats with the wall clock; told the UTC, it follows GPS")
+      ->group(kLive);
   app.add_option("--imu-to", options.imu_to, "Where inertial samples go: udp:HOST:PORT, pty:LINKPATH, or as an emulated sensor sends them, xsens:LINKPATH, mip:LINKPATH")
       ->group(kLive);
   app.add_option("--gnss-to", options.gnss_to, "Where fixes go, as an emulated receiver sends them: nmea:LINKPATH, ubx:LINKPATH, or both:LINKPATH")
@@ -190,6 +204,15 @@ void declare(CLI::App& app, Options& options) {
       ->group(kLive);
   app.add_flag("--json", options.json, "Print the counts as JSON")->group(kLive);
   declare(app, options.faults, "Faults of what the sensors send, told in faults.json");
+}
+
+DeviceOptions device_options_of(const Options& options) {
+  DeviceOptions device{options.device_code, options.pps, {}};
+  for (std::size_t axis = 0; axis < 3 && !options.device_extrinsic.empty(); ++axis) {
+    device.extrinsic.xyz_mm[axis] = static_cast<std::int32_t>(std::lround(1e3 * options.device_extrinsic[axis]));
+    device.extrinsic.rpy_deg[axis] = static_cast<float>(options.device_extrinsic[3 + axis]);
+  }
+  return device;
 }
 
 LiveOptions live_options_of(const Options& options) {

@@ -1,9 +1,11 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "tools/simulate/drive.hpp"
 #include "tools/simulate/fault_options.hpp"
+#include "tools/simulate/live_device.hpp"
 #include "tools/simulate/live_drive.hpp"
 
 namespace CLI {
@@ -36,6 +38,8 @@ struct Options {
   std::string drive_to;  // --drive
   bool live = false;
   std::string device_code;
+  bool pps = false;
+  std::vector<double> device_extrinsic;
   std::string imu_to;
   std::string gnss_to;
   std::string can_to;
@@ -49,6 +53,9 @@ void declare(CLI::App& app, Options& options);
 
 /// Returns the drive that the options describe. Errors: cli::UsageError, RecordingError.
 Drive drive_of(const Options& options);
+
+/// Returns what the device of a live drive is.
+DeviceOptions device_options_of(const Options& options);
 
 /// Returns where a live drive goes. Errors: cli::UsageError.
 LiveOptions live_options_of(const Options& options);

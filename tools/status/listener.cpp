@@ -1,15 +1,14 @@
 #include "tools/status/listener.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "core/base/stamp.hpp"
-#include "daemon/bus/channels.hpp"
 #include "daemon/bus/encoding.hpp"
 
 namespace slamd::status {
 
-Listener::Listener(bus::Connection& connection, const std::string& prefix) : connection_(connection) {
-  const bus::Channels channels(prefix);
+Listener::Listener(bus::Connection& connection, const std::string& prefix) : connection_(connection), channels_(prefix) {
   const auto keep_newest = [this](auto& newest, auto decode) {
     return [this, &newest, decode](std::span<const std::byte> bytes) {
       if (auto message = decode(bytes)) {
@@ -22,20 +21,30 @@ Listener::Listener(bus::Connection& connection, const std::string& prefix) : con
     };
   };
   const auto keep_pose = keep_newest(heard_.pose, &bus::decode_pose);
-  connection.subscribe(channels.pose, [this, keep_pose](std::span<const std::byte> bytes) {
+  connection.subscribe(channels_.pose, [this, keep_pose](std::span<const std::byte> bytes) {
     const std::uint64_t before = heard_.pose.count;
     keep_pose(bytes);
     if (take_pose_ && heard_.pose.count > before) {
       take_pose_(*heard_.pose.message);
     }
   });
-  connection.subscribe(channels.map_to_odom, keep_newest(heard_.map_to_odom, &bus::decode_map_to_odom));
-  connection.subscribe(channels.health, keep_newest(heard_.health, &bus::decode_health));
-  connection.subscribe(channels.scan, [this](std::span<const std::byte> bytes) {
+  connection.subscribe(channels_.map_to_odom, keep_newest(heard_.map_to_odom, &bus::decode_map_to_odom));
+  connection.subscribe(channels_.health, keep_newest(heard_.health, &bus::decode_health));
+  connection.subscribe(channels_.scan, [this](std::span<const std::byte> bytes) {
     const auto chunk = bus::decode_scan_chunk(bytes);
     heard_.malformed += chunk ? 0 : 1;
     heard_.scans += chunk && assembly_.add(*chunk) ? 1 : 0;
     heard_.scans_incomplete = assembly_.incomplete() + assembly_.corrupt();
+  });
+}
+
+void Listener::on_truth(std::function<void(const bus::Truth&)> take) {
+  connection_.subscribe(channels_.truth, [this, take = std::move(take)](std::span<const std::byte> bytes) {
+    if (const auto truth = bus::decode_truth(bytes)) {
+      take(*truth);
+    } else {
+      ++heard_.malformed;
+    }
   });
 }
 

@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 
+#include "daemon/bus/channels.hpp"
 #include "daemon/bus/connection.hpp"
 #include "daemon/bus/messages.hpp"
 #include "daemon/bus/scan_chunks.hpp"
@@ -54,10 +55,14 @@ class Listener {
   /// Calls `take` with every pose that comes from now on.
   void on_pose(std::function<void(const bus::Pose&)> take) { take_pose_ = std::move(take); }
 
+  /// Calls `take` with every truth that a driven simulation tells from now on.
+  void on_truth(std::function<void(const bus::Truth&)> take);
+
  private:
   void count_rate(Clock::time_point now);
 
   bus::Connection& connection_;
+  bus::Channels channels_;
   bus::ScanAssembly assembly_;
   std::function<void(const bus::Pose&)> take_pose_;
   Heard heard_;

@@ -30,19 +30,32 @@ struct Options {
   std::string prefix{bus::kDefaultPrefix};
   double timeout_s = 2.0;
   std::string tum;
+  std::string truth;
   bool once = false;
   bool json = false;
 };
 
 using File = std::unique_ptr<std::FILE, int (*)(std::FILE*)>;
 
-/// Writes every pose as a line of a TUM trajectory, T_odom_base.
-File record_poses(const std::string& name, status::Listener& listener) {
+File file_of(const std::string& name) {
   File file(std::fopen(name.c_str(), "wb"), std::fclose);
   if (!file) {
     throw std::runtime_error(name + ": cannot be written");
   }
+  return file;
+}
+
+/// Writes every pose as a line of a TUM trajectory, T_odom_base.
+File record_poses(const std::string& name, status::Listener& listener) {
+  File file = file_of(name);
   listener.on_pose([stream = file.get()](const bus::Pose& pose) { recording::write_tum_line(stream, pose.stamp, pose.T_odom_base); });
+  return file;
+}
+
+/// Writes where a driven simulation's vehicle is, T_world_base.
+File record_truth(const std::string& name, status::Listener& listener) {
+  File file = file_of(name);
+  listener.on_truth([stream = file.get()](const bus::Truth& truth) { recording::write_tum_line(stream, truth.stamp, truth.T_world_base); });
   return file;
 }
 
@@ -53,6 +66,8 @@ void declare(CLI::App& app, Options& options) {
   app.add_option("--prefix", options.prefix, "Of the channels, as lcm.prefix of the daemon")->capture_default_str();
   app.add_flag("--once", options.once, "Print one picture when health is heard, and exit");
   app.add_option("--tum", options.tum, "Also write every pose that is heard to this TUM file, until interrupted")->type_name("FILE");
+  app.add_option("--truth", options.truth, "Also write where a simulated vehicle is (slamd-simulate --drive, --live) to this TUM file")
+      ->type_name("FILE");
   app.add_flag("--json", options.json, "Print JSON, one line each time");
   app.add_option("--timeout", options.timeout_s, "How long --once waits for health, s")->check(CLI::Range(0.1, 3600.0))->capture_default_str();
   app.footer("Exit: 0 TRACKING; 3 heard, but another state; 1 no health heard, or no way to LCM; 2 bad usage.\n"
@@ -88,6 +103,7 @@ int run(const Options& options) {
   bus::Connection connection(options.url);
   status::Listener listener(connection, options.prefix);
   const File trajectory = options.tum.empty() ? File(nullptr, std::fclose) : record_poses(options.tum, listener);
+  const File truth = options.truth.empty() ? File(nullptr, std::fclose) : record_truth(options.truth, listener);
   if (options.once) {
     const auto timeout = std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(options.timeout_s));
     listener.listen_for_health(Clock::now() + timeout);

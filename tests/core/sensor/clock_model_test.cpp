@@ -340,6 +340,27 @@ TEST(ClockModel, GoesOnOverTheRollOver) {
   EXPECT_EQ(sut.health().steps, 0U);
 }
 
+TEST(ClockModel, FollowsADeviceThatFindsItsPpsAndThenTheDate) {
+  ClockModel sut(ClockConfig{});
+  Device device;
+  device.drift = 30e-6;
+  device.jitter_s = 0.0005;
+  EXPECT_LT(largest_error_us(sut, device, seconds{10}, seconds{2}), 200.0);
+
+  sut.set_roll_over(seconds{1});
+  device.roll_over = seconds{1};
+  device.origin += milliseconds{300};
+  EXPECT_LT(largest_error_us(sut, device, seconds{10}, seconds{2}), 200.0);
+  EXPECT_EQ(sut.health().steps, 1U);
+  EXPECT_GE(sut.health().roll_overs, 9U);
+
+  sut.set_roll_over({});
+  device.roll_over = {};
+  device.origin = kStart.time_since_epoch();
+  EXPECT_LT(largest_error_us(sut, device, seconds{10}, seconds{2}), 200.0);
+  EXPECT_EQ(sut.health().steps, 2U);
+}
+
 TEST(ClockModel, PacketFromBeforeTheRollOverThatComesLateIsPutBeforeIt) {
   ClockModel sut(ClockConfig{.roll_over = hours{1}});
   sut.map(DeviceStamp{hours{1} - milliseconds{2}}, kStart);

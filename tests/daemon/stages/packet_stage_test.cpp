@@ -100,5 +100,33 @@ TEST_F(Mid360PacketStage, NamesWhatItRefusesAndSaysWhatIsMissing) {
   EXPECT_EQ(sut.remarks()[0], "by their own numbers, 3 packets of points and 0 of the inertial sensor are missing");
 }
 
+TEST(AviaPacketStage, KeepsItsTimeWhileItsStampsCountFromEachPpsEdge) {
+  Configuration configuration;
+  configuration.lidar.model = LidarModel::kLivoxAvia;
+  configuration.imu.enabled = true;
+  configuration.imu.source = "livox";
+  PacketStage sut(configuration);
+  const auto block = std::make_unique<sensor::PointBlock>();
+  std::vector<std::byte> payload(42, std::byte{0});
+  payload[0] = std::byte{5};
+  payload[8] = std::byte{4};
+  payload[9] = std::byte{6};
+  store_le(payload, 18 + 20, 1.0F);
+  recording::Packet packet;
+  packet.destination_port = 56001;
+  packet.payload = payload;
+
+  for (int i = 0; i < 1000; ++i) {
+    packet.received = kBegin + std::chrono::milliseconds(5 * i);
+    store_le(payload, 10, std::uint64_t{1'000'000} * static_cast<unsigned>((700 + 5 * i) % 1000));
+    const PacketOutcome outcome = sut.add(packet, *block);
+
+    ASSERT_TRUE(outcome.imu) << i;
+    EXPECT_LT(std::abs((outcome.imu->stamp - packet.received).count()), 1000) << i;
+  }
+  EXPECT_EQ(sut.clock().steps, 0U);
+  EXPECT_EQ(sut.clock().roll_overs, 5U);
+}
+
 }  // namespace
 }  // namespace slamd::stages

@@ -37,6 +37,7 @@ class ScriptedAvia {
   Sdk1WorkState state = Sdk1WorkState::kNormal;
   std::uint32_t status = 0;
   std::uint32_t progress = 0;
+  Sdk1Extrinsic extrinsic{{1.0F, -2.0F, 90.0F}, {100, -200, 300}};
   std::map<Sdk1Command, std::uint8_t> refusals;
   int lose_answers = 0;
   bool sampling = false;
@@ -97,7 +98,7 @@ class ScriptedAvia {
         return Sdk1DeviceInfo{0, {11, 6, 0, 0}}.bytes();
       case Sdk1Command::kGetExtrinsic: {
         Payload payload = one_byte(0);
-        for (const std::byte byte : Sdk1Extrinsic{{1.0F, -2.0F, 90.0F}, {100, -200, 300}}.bytes()) {
+        for (const std::byte byte : extrinsic.bytes()) {
           payload.push_back(byte);
         }
         return payload;
@@ -186,6 +187,56 @@ TEST_F(Sdk1HostTest, ConfiguresTheDeviceInTheDriversOrderAndStartsIt) {
   EXPECT_EQ(last_words(HostEventKind::kIdentified), "3JEDK380010Z391 has firmware 11.6.0.0");
   ASSERT_TRUE(sut_.extrinsic());
   EXPECT_EQ(sut_.extrinsic()->xyz_mm, (std::array<std::int32_t, 3>{100, -200, 300}));
+  EXPECT_EQ(last_words(HostEventKind::kExtrinsicRead),
+            "3JEDK380010Z391 has an extrinsic stored: xyz_m = [0.100, -0.200, 0.300], rpy_deg = [1, -2, 90]");
+}
+
+TEST_F(Sdk1HostTest, SaysThatNoExtrinsicIsStored) {
+  device_.extrinsic = {};
+
+  run(seconds{1});
+
+  EXPECT_EQ(last_words(HostEventKind::kExtrinsicRead), "3JEDK380010Z391 has no extrinsic stored");
+}
+
+TEST_F(Sdk1HostTest, SamplesWithoutAnExtrinsicThatIsRefusedOrNotWhole) {
+  for (const bool refused : {true, false}) {
+    SCOPED_TRACE(refused);
+    sut_ = Sdk1Host(config());
+    events_.clear();
+    device_.bound = false;
+    device_.refusals.clear();
+    device_.refusals[Sdk1Command::kGetExtrinsic] = refused ? 1 : 0;  // an answer of one byte, whichever
+
+    run(seconds{2});
+
+    EXPECT_EQ(sut_.state(), Sdk1HostState::kSampling);
+    EXPECT_FALSE(sut_.extrinsic());
+    EXPECT_EQ(told(HostEventKind::kExtrinsicRead), 0U);
+    EXPECT_EQ(told(HostEventKind::kCommandFailed), refused ? 1U : 0U);
+    EXPECT_EQ(sut_.counters().unexpected, refused ? 0U : 1U);
+  }
+}
+
+TEST_F(Sdk1HostTest, ReadsTheExtrinsicAgainFromADeviceThatComesBack) {
+  run(seconds{1});
+  device_.extrinsic.xyz_mm = {0, 0, 500};
+  device_.bound = false;  // switched off and on
+  run(seconds{3});
+
+  EXPECT_EQ(told(HostEventKind::kExtrinsicRead), 2U);
+  EXPECT_EQ(sut_.extrinsic(), device_.extrinsic);
+}
+
+TEST_F(Sdk1HostTest, DoesNotReadTheExtrinsicWhenThatIsNotWanted) {
+  Sdk1HostConfig without = config();
+  without.read_extrinsic = false;
+  sut_ = Sdk1Host(without);
+
+  run(seconds{1});
+
+  EXPECT_EQ(sut_.state(), Sdk1HostState::kSampling);
+  EXPECT_EQ(device_.times(Sdk1Command::kGetExtrinsic), 0U);
 }
 
 TEST_F(Sdk1HostTest, SendsAHeartbeatAtLeastEverySecond) {

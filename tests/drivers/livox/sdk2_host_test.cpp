@@ -190,6 +190,8 @@ TEST_F(Sdk2HostTest, FindsReadsConfiguresAndStartsTheDevice) {
   EXPECT_EQ(told(HostEventKind::kTakenOver), 0U);
   ASSERT_TRUE(sut_.attitude());
   EXPECT_EQ(sut_.attitude()->xyz_mm, (std::array<std::int32_t, 3>{100, -200, 300}));
+  EXPECT_EQ(last_words(HostEventKind::kExtrinsicRead),
+            "47MDL1234567890 has an extrinsic stored: xyz_m = [0.100, -0.200, 0.300], rpy_deg = [1, -2, 90]");
 }
 
 TEST_F(Sdk2HostTest, AsksForTheStateOnceASecond) {

@@ -157,6 +157,87 @@ TEST_F(Sdk1DeviceTest, KeepsItsExtrinsicAndTheTime) {
   EXPECT_EQ(ask(Sdk1Command::kDeviceInfo), "000B060000");
 }
 
+/// A device whose PPS line beats on whole seconds of the wire's time, which is 2026-11-22 06:00:00 at 1000 s.
+class Sdk1DeviceWithPps : public Sdk1DeviceTest {
+ protected:
+  Sdk1DeviceWithPps() {
+    Sdk1DeviceConfig config;
+    config.utc_minus_own = std::chrono::sys_days{std::chrono::November / 22 / 2026}.time_since_epoch() +
+                           std::chrono::hours{6} - seconds{1000};
+    sut_ = Sdk1Device(config, wire_.now);
+  }
+
+  /// The header of a data packet that was taken now.
+  std::string header() {
+    std::vector<std::byte> packet(42);
+    packet[8] = std::byte{0};
+    sut_.stamp(packet, wire_.now);
+    return to_hex(std::span(packet).subspan(4, 14));
+  }
+};
+
+TEST_F(Sdk1DeviceWithPps, FollowsPpsFromItsFirstEdgeOn) {
+  wire_.run(milliseconds{990});
+  shake_hands();
+  EXPECT_EQ(sut_.time_sync(), livox::TimeSync::kNone);
+  EXPECT_EQ(header(), "0002000000000000000000000000");  // PPS is there
+
+  wire_.run(milliseconds{260});
+
+  EXPECT_EQ(wire_.news.back(), "follows PPS");
+  EXPECT_EQ(ask(Sdk1Command::kHeartbeat), "00010000C20000");  // 3 << 14 | PPS
+  EXPECT_EQ(header(), "00C20000040080B2E60E00000000");        // type 4, 250,000,000 ns
+}
+
+TEST_F(Sdk1DeviceWithPps, FollowsGpsOnceItWasToldTheUtcInTime) {
+  wire_.run(milliseconds{1100});
+  shake_hands();
+
+  EXPECT_EQ(ask(Sdk1Command::kSetUtc, livox::Sdk1Utc{2026, 11, 22, 6, 124'000'000}.bytes()), "00");  // of its own clock
+
+  EXPECT_EQ(wire_.news.back(), "follows GPS");
+  EXPECT_EQ(ask(Sdk1Command::kHeartbeat), "00010000820000");  // 2 << 14 | PPS
+  wire_.run(seconds{2});
+  EXPECT_EQ(header(), "0082000003001A0B160620228407");  // type 3, 2026-11-22 06 h, 126,100,000 us
+  EXPECT_EQ(sut_.utc_told(), 1U);
+  EXPECT_EQ(sut_.utc_unused(), 0U);
+}
+
+TEST_F(Sdk1DeviceWithPps, DoesNotUseAUtcThatComesTooEarlyOrTooLate) {
+  shake_hands();
+  const Payload utc = livox::Sdk1Utc{2026, 11, 22, 6, 1'000'000}.bytes();
+  wire_.run(milliseconds{1000});
+  EXPECT_EQ(ask(Sdk1Command::kSetUtc, utc), "00");
+  wire_.run(milliseconds{510});
+  EXPECT_EQ(ask(Sdk1Command::kSetUtc, utc), "00");
+
+  EXPECT_EQ(sut_.time_sync(), livox::TimeSync::kPps);
+  EXPECT_EQ(sut_.utc_told(), 2U);
+  EXPECT_EQ(sut_.utc_unused(), 2U);
+}
+
+TEST_F(Sdk1DeviceTest, CannotUseTheUtcWithoutPps) {
+  start();
+
+  EXPECT_EQ(ask(Sdk1Command::kSetUtc, livox::Sdk1Utc{2026, 11, 22, 6, 124'000'000}.bytes()), "00");
+
+  EXPECT_EQ(sut_.time_sync(), livox::TimeSync::kNone);
+  EXPECT_EQ(sut_.utc_unused(), 1U);
+  EXPECT_EQ(ask(Sdk1Command::kHeartbeat), "00010000000000");
+}
+
+TEST_F(Sdk1DeviceTest, TellsSlamdsHostTheExtrinsicThatIsStored) {
+  Sdk1DeviceConfig config;
+  config.extrinsic = {{0.0F, 0.0F, 90.0F}, {100, -200, 300}};
+  sut_ = Sdk1Device(config, wire_.now);
+  livox::Sdk1Host host({});
+  wire_.join(host, kHostAddress);
+
+  wire_.run(seconds{4});
+
+  EXPECT_EQ(host.extrinsic(), config.extrinsic);
+}
+
 TEST_F(Sdk1DeviceTest, RestsAndWakesWhenTold) {
   start();
 

@@ -2,9 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <memory>
+#include <span>
 #include <vector>
 
+#include "daemon/bus/encoding.hpp"
 #include "daemon/bus/publisher.hpp"
 #include "tests/daemon/bus/made_messages.hpp"
 
@@ -49,6 +52,26 @@ TEST(Listener, CountsWhatItDoesNotUnderstand) {
 
   EXPECT_EQ(sut.heard().malformed, 3U);
   EXPECT_FALSE(sut.heard().anything());
+}
+
+TEST(Listener, HandsOnTheTruthOfItsPrefix) {
+  bus::Connection connection("memq://");
+  Listener sut(connection, "ROBOT2");
+  std::vector<bus::Truth> heard;
+  sut.on_truth([&](const bus::Truth& truth) { heard.push_back(truth); });
+  bus::Truth truth;
+  truth.T_world_base.translation() = {1.0, 2.0, 3.0};
+  std::array<std::byte, bus::kLargestMessage_bytes> buffer;
+  const std::span<const std::byte> message(buffer.data(), bus::encode(truth, buffer));
+
+  connection.send("ROBOT2_TRUTH", message);
+  connection.send("SLAMD_TRUTH", message);
+  connection.send("ROBOT2_TRUTH", message.first(10));
+  sut.listen_until(Clock::now() + milliseconds(50));
+
+  ASSERT_EQ(heard.size(), 1U);
+  EXPECT_EQ(heard[0].T_world_base.translation(), truth.T_world_base.translation());
+  EXPECT_EQ(sut.heard().malformed, 1U);
 }
 
 TEST(Listener, StopsWaitingAsSoonAsThereIsHealth) {
