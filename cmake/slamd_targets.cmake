@@ -134,8 +134,8 @@ endfunction()
 # slamd_test(FOLDER SOURCES s... [DEPS d...] [LABELS l...]): the tests of one folder, as one program.
 # It sees only what the folder's own DEPS list, the folder itself and gtest. Labels: "threads" marks what the
 # ThreadSanitizer run repeats; the target "threaded_tests" builds just those. "sockets" marks what needs a real
-# kernel's sockets, "long" what simulates drives: neither is run in the emulator. The target "onboard_tests" builds what
-# is, of the folders that run on a vehicle: core, drivers and daemon; "short_tests" builds all but the long ones.
+# kernel's sockets, "long" what simulates drives: neither is run in the emulator. The target "onboard_tests" builds those of
+# the folders that run on a vehicle: core, drivers and daemon, but for the long ones.
 function(slamd_test folder)
   cmake_parse_arguments(arg "" "" "SOURCES;DEPS;LABELS" ${ARGN})
   if(arg_UNPARSED_ARGUMENTS)
@@ -162,13 +162,7 @@ function(slamd_test folder)
     endif()
     add_dependencies(threaded_tests ${name})
   endif()
-  if(NOT "long" IN_LIST arg_LABELS)
-    if(NOT TARGET short_tests)
-      add_custom_target(short_tests)
-    endif()
-    add_dependencies(short_tests ${name})
-  endif()
-  if(folder MATCHES "^(core|daemon|drivers)/" AND NOT "sockets" IN_LIST arg_LABELS AND NOT "long" IN_LIST arg_LABELS)
+  if(folder MATCHES "^(core|daemon|drivers)/" AND NOT "long" IN_LIST arg_LABELS)
     if(NOT TARGET onboard_tests)
       add_custom_target(onboard_tests)
     endif()
