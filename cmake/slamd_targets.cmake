@@ -135,7 +135,7 @@ endfunction()
 # It sees only what the folder's own DEPS list, the folder itself and gtest. Labels: "threads" marks what the
 # ThreadSanitizer run repeats; the target "threaded_tests" builds just those. "sockets" marks what needs a real
 # kernel's sockets, "long" what simulates drives: neither is run in the emulator. The target "onboard_tests" builds those of
-# the folders that run on a vehicle: core, drivers and daemon, but for the long ones.
+# the folders that run on a vehicle, core, drivers and daemon, that the emulator runs; "onboard_socket_tests" the others.
 function(slamd_test folder)
   cmake_parse_arguments(arg "" "" "SOURCES;DEPS;LABELS" ${ARGN})
   if(arg_UNPARSED_ARGUMENTS)
@@ -163,10 +163,14 @@ function(slamd_test folder)
     add_dependencies(threaded_tests ${name})
   endif()
   if(folder MATCHES "^(core|daemon|drivers)/" AND NOT "long" IN_LIST arg_LABELS)
-    if(NOT TARGET onboard_tests)
-      add_custom_target(onboard_tests)
+    set(onboard onboard_tests)
+    if("sockets" IN_LIST arg_LABELS)
+      set(onboard onboard_socket_tests)
     endif()
-    add_dependencies(onboard_tests ${name})
+    if(NOT TARGET ${onboard})
+      add_custom_target(${onboard})
+    endif()
+    add_dependencies(${onboard} ${name})
   endif()
 endfunction()
 
