@@ -120,6 +120,10 @@ ip -n slamd_host addr flush dev slamd_a
 ip -n slamd_host addr add 10.77.0.1/24 dev slamd_a
 
 # Another host takes the Avia while it is listened to.
+for _ in $(seq 8); do  # until it has missed the host that it had, and looks for one again
+  look 1.3
+  jq -e 'any(.lidars[]; .model == "livox_avia" and .broadcasts.last_second >= 1)' "$seen" >"$scratch/looks" && break
+done
 { sleep 1.3; ip netns exec slamd_sensor "$bin/slamd" --set lidar.model=livox_avia --set lidar.device.code=any 2>"$scratch/slamd.log"; } &
 taking=$!
 pids+=("$taking")
