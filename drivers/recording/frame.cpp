@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "core/base/bytes.hpp"
+#include "drivers/transport/ipv4.hpp"
 
 namespace slamd::recording {
 
@@ -11,7 +12,6 @@ namespace {
 
 constexpr std::uint16_t kEtherIpv4 = 0x0800;
 constexpr std::uint16_t kEtherIpv6 = 0x86DD;
-constexpr std::uint8_t kProtocolUdp = 17;
 
 bool is_vlan(std::uint16_t type) { return type == 0x8100 || type == 0x88A8 || type == 0x9100; }
 
@@ -62,41 +62,19 @@ std::optional<Network> network_of(int link, std::span<const std::byte> frame) {
   }
 }
 
-FrameKind parse_ipv4(std::span<const std::byte> ip, std::size_t length, Packet& packet) {
-  if (ip.size() < 20) {
-    return length < 20 ? FrameKind::kBadHeader : FrameKind::kTruncated;
+FrameKind parse_ip(std::span<const std::byte> ip, std::size_t length, Packet& packet) {
+  transport::WireDatagram datagram;
+  switch (transport::parse_ipv4(ip, length, datagram)) {
+    case transport::Ipv4Kind::kNotUdp: return FrameKind::kNotUdp;
+    case transport::Ipv4Kind::kFragment: return FrameKind::kFragment;
+    case transport::Ipv4Kind::kTruncated: return FrameKind::kTruncated;
+    case transport::Ipv4Kind::kBadHeader: return FrameKind::kBadHeader;
+    case transport::Ipv4Kind::kUdp: break;
   }
-  const std::size_t header = 4 * (static_cast<std::size_t>(ip[0]) & 0xF);
-  const std::size_t total = load_be<std::uint16_t>(ip, 2);
-  if (static_cast<int>(ip[0]) >> 4 != 4 || header < 20 || total < header) {
-    return FrameKind::kBadHeader;
-  }
-  // Early VLP-16 firmware states the length of its data packets for its position packets, too.
-  const std::size_t end = std::min(total, length);
-  if (static_cast<std::uint8_t>(ip[9]) != kProtocolUdp) {
-    return FrameKind::kNotUdp;
-  }
-  if ((load_be<std::uint16_t>(ip, 6) & 0x3FFF) != 0) {  // more fragments, or an offset
-    return FrameKind::kFragment;
-  }
-  if (end < header + 8) {
-    return FrameKind::kBadHeader;
-  }
-  if (ip.size() < header + 8) {
-    return FrameKind::kTruncated;
-  }
-  const std::span<const std::byte> udp = ip.subspan(header);
-  const std::size_t udp_length = load_be<std::uint16_t>(udp, 4);
-  if (udp_length < 8 || header + udp_length > end) {
-    return FrameKind::kBadHeader;
-  }
-  if (udp.size() < udp_length) {
-    return FrameKind::kTruncated;
-  }
-  packet.source_address = load_be<std::uint32_t>(ip, 12);
-  packet.source_port = load_be<std::uint16_t>(udp, 0);
-  packet.destination_port = load_be<std::uint16_t>(udp, 2);
-  packet.payload = udp.subspan(8, udp_length - 8);
+  packet.source_address = datagram.source_address;
+  packet.source_port = datagram.source_port;
+  packet.destination_port = datagram.destination_port;
+  packet.payload = datagram.payload;
   return FrameKind::kUdp;
 }
 
@@ -132,7 +110,7 @@ FrameKind parse_frame(int link, std::span<const std::byte> frame, std::size_t le
     return FrameKind::kNotIp;
   }
   const std::size_t on_wire = std::max(length, frame.size());
-  return parse_ipv4(frame.subspan(network->offset), on_wire - network->offset, packet);
+  return parse_ip(frame.subspan(network->offset), on_wire - network->offset, packet);
 }
 
 }  // namespace slamd::recording

@@ -18,15 +18,9 @@ namespace slamd::transport {
 
 namespace {
 
-// Of an IPv4 header, RFC 791, and a UDP header, RFC 768.
-constexpr std::size_t kIpBytes = 20;
+// Of an IPv4 header, RFC 791.
 constexpr std::size_t kTotalLengthAt = 2;
-constexpr std::size_t kFragmentAt = 6;
-constexpr std::uint16_t kFragmentBits = 0x3FFF;  // more fragments, or an offset
 constexpr std::size_t kProtocolAt = 9;
-constexpr std::size_t kSourceAt = 12;
-constexpr std::size_t kDestinationAt = 16;
-constexpr std::size_t kUdpBytes = 8;
 
 /// Has the kernel hand on nothing but UDP.
 bool keep_udp_only(int fd) {
@@ -43,25 +37,9 @@ bool keep_udp_only(int fd) {
 }  // namespace
 
 std::optional<WireDatagram> parse_udp(std::span<const std::byte> packet) {
-  if (packet.size() < kIpBytes + kUdpBytes) {
-    return std::nullopt;
-  }
-  const auto version_and_words = load_be<std::uint8_t>(packet, 0);
-  const std::size_t header_bytes = std::size_t{version_and_words & 0x0FU} * 4;
-  const std::size_t total_bytes = load_be<std::uint16_t>(packet, kTotalLengthAt);
-  if (version_and_words >> 4U != 4 || header_bytes < kIpBytes || total_bytes > packet.size() ||
-      header_bytes + kUdpBytes > total_bytes || load_be<std::uint8_t>(packet, kProtocolAt) != IPPROTO_UDP ||
-      (load_be<std::uint16_t>(packet, kFragmentAt) & kFragmentBits) != 0) {
-    return std::nullopt;
-  }
-  const std::span<const std::byte> udp = packet.subspan(header_bytes, total_bytes - header_bytes);
-  const std::size_t udp_bytes = load_be<std::uint16_t>(udp, 4);
-  if (udp_bytes < kUdpBytes || udp_bytes > udp.size()) {
-    return std::nullopt;
-  }
-  return WireDatagram{udp.subspan(kUdpBytes, udp_bytes - kUdpBytes), load_be<std::uint32_t>(packet, kSourceAt),
-                      load_be<std::uint32_t>(packet, kDestinationAt), load_be<std::uint16_t>(udp, 0),
-                      load_be<std::uint16_t>(udp, 2)};
+  WireDatagram datagram;
+  const bool is_whole = packet.size() >= kTotalLengthAt + 2 && load_be<std::uint16_t>(packet, kTotalLengthAt) <= packet.size();
+  return is_whole && parse_ipv4(packet, packet.size(), datagram) == Ipv4Kind::kUdp ? std::optional(datagram) : std::nullopt;
 }
 
 WireListener::WireListener() : fd_(socket(AF_PACKET, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, htons(ETH_P_IP))) {

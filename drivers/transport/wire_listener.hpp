@@ -6,19 +6,12 @@
 #include <optional>
 #include <span>
 
+#include "drivers/transport/ipv4.hpp"
+
 namespace slamd::transport {
 
-/// A datagram as it was on the wire. Addresses in host order.
-struct WireDatagram {
-  std::span<const std::byte> payload;
-  std::uint32_t source_address = 0;
-  std::uint32_t destination_address = 0;
-  std::uint16_t source_port = 0;
-  std::uint16_t destination_port = 0;
-};
-
-/// Finds the UDP datagram in an IPv4 packet. Errors: nothing for another protocol, for a fragment, and for lengths that
-/// contradict each other. Any bytes may be given.
+/// Finds the UDP datagram in a whole IPv4 packet (parse_ipv4). Errors: nothing for another protocol, for a fragment, and for
+/// lengths that contradict each other. Any bytes may be given.
 std::optional<WireDatagram> parse_udp(std::span<const std::byte> packet);
 
 /// Hears the UDP datagrams that come in on any interface before the kernel judges whether they are this host's: also those
