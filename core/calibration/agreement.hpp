@@ -2,8 +2,6 @@
 
 #include <array>
 
-#include <Eigen/Core>
-
 namespace slamd::calibration {
 
 /// A quantity as estimated, and its standard deviation.

@@ -23,13 +23,13 @@ std::string printed(const char* format, Arguments... arguments) {
   return text;
 }
 
-std::string rpy_in_words(const Eigen::Matrix3d& R) {
-  const Eigen::Vector3d rpy_rad = geometry::rpy_from_rotation(R);
-  const auto tenths = [](double rad) { return std::round(10.0 * degrees(rad)) / 10.0 + 0.0; };  // + 0: no "-0.0"
-  return printed("[%.1f, %.1f, %.1f]", tenths(rpy_rad.x()), tenths(rpy_rad.y()), tenths(rpy_rad.z()));
-}
-
 }  // namespace
+
+std::string in_tenths(double value) { return printed("%.1f", std::round(10.0 * value) / 10.0 + 0.0); }
+
+std::string rpy_in_words(const Eigen::Vector3d& rpy_deg) {
+  return "[" + in_tenths(rpy_deg.x()) + ", " + in_tenths(rpy_deg.y()) + ", " + in_tenths(rpy_deg.z()) + "]";
+}
 
 std::string offset_in_words(const LidarImuAgreement& agreement) {
   if (!agreement.known) {
@@ -59,7 +59,7 @@ std::vector<std::string> complaints(const SensorAgreement& agreement, double off
   if (!axes.empty()) {
     // What the sensor says is turned by −rotation against where it is believed to be.
     const Eigen::Matrix3d R = T_base_imu.rotation() * geometry::so3_exp(Eigen::Vector3d(-rotation_rad));
-    lines.push_back("imu turned " + axes + ": imu.T_base_imu rpy_deg = " + rpy_in_words(R));
+    lines.push_back("imu turned " + axes + ": imu.T_base_imu rpy_deg = " + rpy_in_words(geometry::rpy_from_rotation(R) * 180.0 / M_PI));
   }
   const GravityAgreement& gravity = agreement.gravity;
   if (gravity.known && (gravity.roll_rad.stands_out(kLeastLean_rad) || gravity.pitch_rad.stands_out(kLeastLean_rad))) {

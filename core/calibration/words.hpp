@@ -8,6 +8,12 @@
 
 namespace slamd::calibration {
 
+/// Writes a value to tenths, never as "-0.0".
+std::string in_tenths(double value);
+
+/// Writes roll, pitch and yaw as the configuration's rpy_deg has them: "[0.0, 3.0, 0.0]". Units: degrees.
+std::string rpy_in_words(const Eigen::Vector3d& rpy_deg);
+
 /// Says what a drive has shown to be wrong, a line each with what to set instead; nothing where all agrees. Proposals are
 /// for a person to take over: slamd applies none.
 /// `offset_s` and T_base_imu are what the configuration has now. Not for real-time threads.

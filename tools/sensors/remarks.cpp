@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "core/calibration/words.hpp"
 #include "drivers/livox/sdk1_host.hpp"
 #include "drivers/livox/status_code.hpp"
 #include "drivers/transport/udp_receiver.hpp"
@@ -11,6 +12,8 @@
 
 namespace slamd::sensors {
 
+using calibration::in_tenths;
+using calibration::rpy_in_words;
 using configuration::Configuration;
 using transport::dotted;
 
@@ -18,7 +21,6 @@ namespace {
 
 /// A Livox announces itself once a second.
 constexpr double kSilent_s = 3.5;
-constexpr double kDegreesShown = 10.0;  // a tenth
 
 using Remarks = std::vector<Remark>;
 
@@ -28,12 +30,6 @@ LidarProtocol protocol_of(configuration::LidarModel model) {
     case configuration::LidarModel::kLivoxMid360: return LidarProtocol::kSdk2;
     default: return LidarProtocol::kVelodyne;
   }
-}
-
-std::string rounded(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.1f", std::round(value * kDegreesShown) / kDegreesShown + 0.0);
-  return text;
 }
 
 /// Who else on this computer hears the broadcasts of SDK1 devices, as each of their hosts does.
@@ -182,9 +178,9 @@ void judge_inertial(const std::string& name, const InertialSeen& imu, const Eige
   }
   const Gravity gravity = compare_gravity(*R_base_imu, imu.mean_force_mps2);
   if (gravity.angle_deg > kGravityTolerance_deg) {
-    remarks.push_back({name, "gravity is " + rounded(gravity.angle_deg) + " degrees from where " + key + " has it, if the vehicle stands level: " +
-                                 up_axis(imu.mean_force_mps2) + " of imu is up; rpy_deg = [" + rounded(gravity.rpy_deg.x()) + ", " +
-                                 rounded(gravity.rpy_deg.y()) + ", " + rounded(gravity.rpy_deg.z()) + "] would have it there"});
+    remarks.push_back({name, "gravity is " + in_tenths(gravity.angle_deg) + " degrees from where " + key + " has it, if the vehicle stands level: " +
+                                 up_axis(imu.mean_force_mps2) + " of imu is up; rpy_deg = " + rpy_in_words(gravity.rpy_deg) +
+                                 " would have it there"});
   }
 }
 

@@ -16,10 +16,17 @@ SerialPlace::SerialPlace(const std::string& device, bool asks, Stamp now)
   open(now);
 }
 
+bool SerialPlace::is_held() {
+  const std::string owner = transport::owner_of_terminal(device_);
+  if (!owner.empty()) {
+    trouble_ = "is held by " + owner + ", and left to it";
+  }
+  return !owner.empty();
+}
+
 void SerialPlace::open(Stamp now) {
   next_try_ = now + kRetry;
-  if (const std::string owner = transport::owner_of_terminal(device_); !owner.empty()) {
-    trouble_ = "is held by " + owner + ", and left to it";
+  if (is_held()) {
     return;
   }
   watch_.begin(now);
@@ -36,12 +43,10 @@ bool SerialPlace::yield(Stamp now) {
     return false;
   }
   next_look_ = now + kRetry;
-  const std::string owner = transport::owner_of_terminal(device_);
-  if (owner.empty()) {
+  if (!is_held()) {
     return false;
   }
   port_.close();
-  trouble_ = "is held by " + owner + ", and left to it";
   next_try_ = now + kRetry;
   return true;
 }

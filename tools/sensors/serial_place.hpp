@@ -31,6 +31,7 @@ class SerialPlace {
   LineSeen seen() const;
 
  private:
+  bool is_held();
   void open(Stamp now);
   bool yield(Stamp now);
 

@@ -11,6 +11,7 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include "core/calibration/words.hpp"
 #include "drivers/imu/protocol.hpp"
 #include "drivers/transport/udp_receiver.hpp"
 #include "tools/sensors/gravity.hpp"
@@ -18,6 +19,8 @@
 
 namespace slamd::sensors {
 
+using calibration::in_tenths;
+using calibration::rpy_in_words;
 using configuration::LidarModel;
 using transport::dotted;
 
@@ -53,12 +56,6 @@ std::string quoted(const std::string& text) {
     result += c == '"' || c == '\\' ? std::string("\\") + c : std::string(1, c);
   }
   return result + '"';
-}
-
-std::string number(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.1f", std::round(10.0 * value) / 10.0 + 0.0);  // no "-0.0"
-  return text;
 }
 
 std::string a_second(const Count& count, const char* what) {
@@ -116,11 +113,10 @@ void propose_rotation(const InertialSeen& imu, const char* key, Lines& lines) {
   }
   const Gravity gravity = compare_gravity(Eigen::Matrix3d::Identity(), imu.mean_force_mps2);
   if (gravity.angle_deg <= kGravityTolerance_deg) {
-    lines.comment("Gravity was seen along " + up_axis(imu.mean_force_mps2) + " of it, " + number(gravity.angle_deg) + " degrees from there: as with this rotation.");
+    lines.comment("Gravity was seen along " + up_axis(imu.mean_force_mps2) + " of it, " + in_tenths(gravity.angle_deg) + " degrees from there: as with this rotation.");
   } else {
     lines.comment("Gravity was seen along " + up_axis(imu.mean_force_mps2) + " of it: if the vehicle stood level, this is wrong, and " + key +
-                  " should have rpy_deg = [" + number(gravity.rpy_deg.x()) + ", " + number(gravity.rpy_deg.y()) + ", " +
-                  number(gravity.rpy_deg.z()) + "], but for its yaw.");
+                  " should have rpy_deg = " + rpy_in_words(gravity.rpy_deg) + ", but for its yaw.");
   }
 }
 
@@ -269,7 +265,7 @@ std::string starting_configuration(const Seen& seen, const std::string& when) {
     throw std::runtime_error("no LiDAR was found that slamd reads: there is no configuration to begin with");
   }
   Lines lines;
-  lines.comment("Written by slamd-sensors, " + when + ", of what it had seen in " + number(seen.listened_s) + " s.");
+  lines.comment("Written by slamd-sensors, " + when + ", of what it had seen in " + in_tenths(seen.listened_s) + " s.");
   lines.comment("slamd --check --config FILE tells what is still missing; docs/configuration.md has every key.");
   write_lidar(*lidar, seen, lines);
   write_imu(*lidar, seen, lines);
