@@ -9,8 +9,6 @@ using sensor::Point;
 
 namespace {
 
-float range_of(const Point& p) { return std::sqrt(p.x_m * p.x_m + p.y_m * p.y_m + p.z_m * p.z_m); }
-
 float distance_between(const Point& a, const Point& b) {
   const float dx = a.x_m - b.x_m;
   const float dy = a.y_m - b.y_m;

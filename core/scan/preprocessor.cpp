@@ -21,8 +21,6 @@ bool is_noise_tag(std::uint8_t tag) {
   return return_number > 1 || intensity_noise == 1 || spatial_noise == 1 || spatial_noise == 2;
 }
 
-float range_of(const Point& p) { return std::sqrt(p.x_m * p.x_m + p.y_m * p.y_m + p.z_m * p.z_m); }
-
 /// Median by half-metre bins: what tells indoor from outdoor needs no more.
 class RangeMedian {
  public:

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 
 namespace slamd::sensor {
@@ -18,5 +19,8 @@ struct Point {
 };
 
 static_assert(sizeof(Point) == 20);
+
+/// Tells how far a return is from the sensor. Units: m.
+inline float range_of(const Point& p) { return std::sqrt(p.x_m * p.x_m + p.y_m * p.y_m + p.z_m * p.z_m); }
 
 }  // namespace slamd::sensor

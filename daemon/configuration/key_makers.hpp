@@ -9,13 +9,13 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/units.hpp"
 #include "core/geometry/so3.hpp"
 #include "daemon/configuration/key_table.hpp"
 
 /// What the key table is made with. Only for the sources of this folder.
 namespace slamd::configuration::keys {
 
-inline constexpr double kDegree = M_PI / 180.0;
 
 /// Rounds away what a change of units leaves in the last digits, so that what is printed reads back to itself.
 inline double rounded(double value) { return std::round(1e9 * value) / 1e9 + 0.0; }

@@ -165,7 +165,7 @@ std::string shortest_float(double value) {
 }
 
 /// As TOML writes a basic string.
-std::string quoted(const std::string& text) {
+std::string toml_string(const std::string& text) {
   std::string line = "\"";
   for (const char c : text) {
     const auto code = static_cast<unsigned char>(c);
@@ -188,7 +188,7 @@ std::string print_value(const Key& key, const Value& value) {
     return *flag ? "true" : "false";
   }
   if (const auto* name = std::get_if<std::string>(&value)) {
-    return quoted(*name);
+    return toml_string(*name);
   }
   if (const auto* numbers = std::get_if<std::vector<double>>(&value)) {
     std::string line = "[";

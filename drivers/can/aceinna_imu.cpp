@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/base/bytes.hpp"
+#include "core/base/units.hpp"
 
 namespace slamd::can {
 
@@ -11,11 +12,10 @@ using imu::InertialResult;
 
 namespace {
 
-constexpr std::uint32_t kRate = 0xF02A;
-constexpr std::uint32_t kForce = 0xF02D;
+constexpr std::uint32_t kRateGroup = 0xF02A;
+constexpr std::uint32_t kForceGroup = 0xF02D;
 constexpr std::uint32_t kRateHighResolution = 0xFF6B;
 constexpr std::uint32_t kForceHighResolution = 0xFF6D;
-constexpr double kDegree = M_PI / 180.0;
 constexpr Duration kLatencyUnit = std::chrono::microseconds{500};
 
 /// The group number of a broadcast: bits 8 to 25 of the id.
@@ -74,7 +74,7 @@ std::optional<AxisMap> parse_axis_map(std::string_view text) {
 
 std::vector<transport::CanFilter> AceinnaReader::frames(std::optional<std::uint8_t> source) {
   std::vector<transport::CanFilter> filters;
-  for (const std::uint32_t group : {kRate, kForce, kRateHighResolution, kForceHighResolution}) {
+  for (const std::uint32_t group : {kRateGroup, kForceGroup, kRateHighResolution, kForceHighResolution}) {
     // Whatever the priority; without a source, whatever that.
     filters.push_back({group << 8 | source.value_or(0), source ? 0x03FF'FFFFU : 0x03FF'FF00U, true});
   }
@@ -84,8 +84,8 @@ std::vector<transport::CanFilter> AceinnaReader::frames(std::optional<std::uint8
 bool AceinnaReader::take(const CanFrame& frame, sensor::ImuReading& reading) {
   const std::uint32_t group = group_of(frame);
   const bool is_high = group == kRateHighResolution || group == kForceHighResolution;
-  const bool is_rate = group == kRate || group == kRateHighResolution;
-  const bool is_force = group == kForce || group == kForceHighResolution;
+  const bool is_rate = group == kRateGroup || group == kRateHighResolution;
+  const bool is_force = group == kForceGroup || group == kForceHighResolution;
   if (!frame.is_extended || (!is_rate && !is_force) || (source_ && (frame.id & 0xFF) != *source_)) {
     count(InertialResult::kOther);
     return false;

@@ -5,6 +5,7 @@
 
 #include "core/base/assert.hpp"
 #include "core/base/bytes.hpp"
+#include "core/base/units.hpp"
 
 namespace slamd::imu {
 
@@ -13,7 +14,6 @@ namespace {
 constexpr std::uint16_t kSync = 0x7565;  // "ue"
 constexpr std::size_t kHeaderBytes = 4;
 constexpr std::size_t kChecksumBytes = 2;
-constexpr double kStandardGravity_mps2 = 9.80665;
 
 constexpr std::uint8_t kGpsTime = 0xD3;
 

@@ -4,6 +4,7 @@
 
 #include "core/base/assert.hpp"
 #include "core/base/bytes.hpp"
+#include "core/base/units.hpp"
 #include "drivers/livox/wire_return.hpp"
 
 namespace slamd::livox {
@@ -13,7 +14,6 @@ namespace {
 constexpr std::uint8_t kControlSof = 0xAA;
 constexpr std::size_t kShortestControlFrame = 15;
 constexpr std::uint8_t kImuDataType = 6;
-constexpr std::uint64_t kNanosecondsPerSecond = 1'000'000'000;
 
 bool is_control_frame(std::span<const std::byte> payload) {
   return payload.size() >= kShortestControlFrame &&

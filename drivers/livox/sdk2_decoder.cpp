@@ -5,23 +5,23 @@
 
 #include "core/base/assert.hpp"
 #include "core/base/bytes.hpp"
+#include "core/base/units.hpp"
 
 namespace slamd::livox {
 
 namespace {
 
-constexpr std::uint8_t kControlSof = 0xAA;
-constexpr std::size_t kShortestControlFrame = 24;
-constexpr std::uint8_t kImuDataType = 0;
-constexpr std::uint64_t kNanosecondsPerSecond = 1'000'000'000;
+constexpr std::uint8_t kSdk2ControlSof = 0xAA;
+constexpr std::size_t kShortestSdk2ControlFrame = 24;
+constexpr std::uint8_t kSdk2ImuDataType = 0;
 constexpr std::uint64_t kLatest_ns = std::numeric_limits<std::int64_t>::max();
 constexpr std::uint8_t kFirstReturn = 1 << 4;  // SDK1's return number
 /// A step beyond half the numbers is one backwards: a restart, or packets that changed places.
 constexpr std::uint16_t kLongestGap = 0x7FFF;
 
-bool is_control_frame(std::span<const std::byte> payload) {
-  return payload.size() >= kShortestControlFrame &&
-         load_le<std::uint8_t>(payload, 0) == kControlSof;
+bool is_sdk2_control_frame(std::span<const std::byte> payload) {
+  return payload.size() >= kShortestSdk2ControlFrame &&
+         load_le<std::uint8_t>(payload, 0) == kSdk2ControlSof;
 }
 
 }  // namespace
@@ -87,7 +87,7 @@ DecodeResult Sdk2Decoder::decode_checked(std::span<const std::byte> payload,
                                          Stamp received,
                                          sensor::PointBlock& block,
                                          ImuReading& imu) {
-  if (is_control_frame(payload)) {
+  if (is_sdk2_control_frame(payload)) {
     return DecodeResult::kControlFrame;
   }
   if (payload.size() < Sdk2Header::kBytes) {
@@ -104,7 +104,7 @@ DecodeResult Sdk2Decoder::decode_checked(std::span<const std::byte> payload,
     return DecodeResult::kBadChecksum;
   }
   const std::optional<Layout> layout = Layout::of(header.data_type);
-  if (!layout && header.data_type != kImuDataType) {
+  if (!layout && header.data_type != kSdk2ImuDataType) {
     return DecodeResult::kUnknownDataType;
   }
   const std::span<const std::byte> body = payload.subspan(Sdk2Header::kBytes);
@@ -201,7 +201,7 @@ bool Sdk2Decoder::decode_return(const Layout& layout,
 }
 
 void Sdk2Decoder::note_number(const Sdk2Header& header) {
-  const bool imu = header.data_type == kImuDataType;
+  const bool imu = header.data_type == kSdk2ImuDataType;
   std::optional<std::uint16_t>& last = imu ? last_imu_number_ : last_points_number_;
   if (last) {
     const auto missing = static_cast<std::uint16_t>(header.number - *last - 1);

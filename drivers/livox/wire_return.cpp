@@ -4,12 +4,12 @@
 #include <numbers>
 
 #include "core/base/bytes.hpp"
+#include "core/base/units.hpp"
 
 namespace slamd::livox {
 
 namespace {
 
-constexpr double kStandardGravity_mps2 = 9.80665;
 
 }  // namespace
 

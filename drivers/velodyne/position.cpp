@@ -7,7 +7,7 @@ namespace slamd::velodyne {
 namespace {
 
 constexpr std::size_t kPacketBytes = 512;
-constexpr std::size_t kTimestampAt = 0xC6;
+constexpr std::size_t kPositionTimestampAt = 0xC6;
 constexpr std::size_t kPpsAt = 0xCA;
 constexpr std::size_t kSentenceAt = 0xCE;
 constexpr std::size_t kSentenceBytes = 128;
@@ -18,7 +18,7 @@ PositionResult decode_position(std::span<const std::byte> payload, Position& pos
   if (payload.size() != kPacketBytes) {
     return PositionResult::kWrongLength;
   }
-  const auto timestamp_us = load_le<std::uint32_t>(payload, kTimestampAt);
+  const auto timestamp_us = load_le<std::uint32_t>(payload, kPositionTimestampAt);
   if (timestamp_us >= 3'600'000'000U) {
     return PositionResult::kBadTimestamp;
   }

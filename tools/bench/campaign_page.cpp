@@ -15,7 +15,7 @@ namespace {
 double percent_of_path(const Outcome& o) { return o.path_m > 0.0 ? 100.0 * o.end_drift_m / o.path_m : 0.0; }
 
 template <typename Get>
-double median_of(const std::vector<const Outcome*>& outcomes, Get&& get) {
+double median_over(const std::vector<const Outcome*>& outcomes, Get&& get) {
   std::vector<double> values;
   for (const Outcome* outcome : outcomes) {
     values.push_back(get(*outcome));
@@ -80,12 +80,12 @@ std::string table_of(const std::vector<Outcome>& outcomes) {
     }
     std::snprintf(
         line, sizeof line, "%-10s %-11s %4s %7s %7s %9s %9.4f %9.4f %8.4f %8.4f %6.3f %9.2f %7.2f\n", "median",
-        lidar.c_str(), "", "", "", "", median_of(of_lidar, [](const Outcome& o) { return o.ape_rmse_m; }),
-        median_of(of_lidar, [](const Outcome& o) { return o.ape_max_m; }),
-        median_of(of_lidar, [](const Outcome& o) { return o.end_drift_m; }), median_of(of_lidar, percent_of_path),
-        median_of(of_lidar, [](const Outcome& o) { return o.tilt_mean_deg; }),
-        median_of(of_lidar, [](const Outcome& o) { return o.cpu_median_ms; }),
-        median_of(of_lidar, [](const Outcome& o) { return o.cpu_p99_ms; }));
+        lidar.c_str(), "", "", "", "", median_over(of_lidar, [](const Outcome& o) { return o.ape_rmse_m; }),
+        median_over(of_lidar, [](const Outcome& o) { return o.ape_max_m; }),
+        median_over(of_lidar, [](const Outcome& o) { return o.end_drift_m; }), median_over(of_lidar, percent_of_path),
+        median_over(of_lidar, [](const Outcome& o) { return o.tilt_mean_deg; }),
+        median_over(of_lidar, [](const Outcome& o) { return o.cpu_median_ms; }),
+        median_over(of_lidar, [](const Outcome& o) { return o.cpu_p99_ms; }));
     text += line;
   }
   return text;

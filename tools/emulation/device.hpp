@@ -11,6 +11,10 @@
 
 namespace slamd::emulation {
 
+/// What a device of either SDK answers to a command (livox-sdk1.md §3, livox-sdk2.md §3).
+inline constexpr std::uint8_t kDone = 0;
+inline constexpr std::uint8_t kFailed = 1;
+
 /// What a device sends beside its answers.
 enum class Stream : std::uint8_t { kPoints, kImu };
 

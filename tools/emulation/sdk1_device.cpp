@@ -19,8 +19,6 @@ using livox::Sdk1WorkState;
 
 namespace {
 
-constexpr std::uint8_t kDone = 0;
-constexpr std::uint8_t kFailed = 1;
 
 // Of the status code.
 constexpr std::uint32_t kPpsPresent = 1U << 9;

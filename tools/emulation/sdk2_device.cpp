@@ -16,8 +16,6 @@ using livox::Sdk2Value;
 namespace {
 
 // livox-sdk2.md §3
-constexpr std::uint8_t kDone = 0x00;
-constexpr std::uint8_t kFailed = 0x01;
 constexpr std::uint8_t kNotNow = 0x02;
 constexpr std::uint8_t kOutOfRange = 0x03;
 constexpr std::uint8_t kUnsupported = 0x20;

@@ -6,6 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "core/base/units.hpp"
 #include "drivers/recording/tum.hpp"
 #include "tools/evaluate/motions.hpp"
 
@@ -21,7 +22,6 @@ using nlohmann::ordered_json;
 
 namespace {
 
-constexpr double kDegree = M_PI / 180.0;
 
 Trajectory read(const std::string& file, const std::string& times) {
   Trajectory trajectory;

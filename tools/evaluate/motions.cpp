@@ -6,6 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "core/base/units.hpp"
 #include "drivers/recording/csv_reader.hpp"
 
 namespace slamd::evaluate {
@@ -17,7 +18,6 @@ using nlohmann::ordered_json;
 
 namespace {
 
-constexpr double kDegree = M_PI / 180.0;
 constexpr std::array<const char*, 6> kAxes{"x", "y", "z", "roll", "pitch", "yaw"};
 
 ordered_json json_of(const Consistency& consistency, double freedom) {

@@ -5,6 +5,7 @@
 #include <limits>
 #include <map>
 
+#include "core/base/units.hpp"
 #include "tools/cli/cli.hpp"
 #include "tools/import/ros_messages.hpp"
 
@@ -21,7 +22,6 @@ constexpr std::array kLivoxTypes = {"livox_ros_driver/CustomMsg", "livox_ros_dri
 constexpr std::uint16_t kVelodynePort = 2368;
 constexpr std::uint32_t kVelodyneAddress = 0xC0A801C9;  // 192.168.1.201, as delivered
 constexpr std::size_t kVelodyneModelByte = 1205;
-constexpr double kStandardGravity_mps2 = 9.80665;
 constexpr Duration kPeriod = std::chrono::milliseconds{100};
 
 bool is_livox(const std::string& type) {

@@ -11,8 +11,6 @@ namespace slamd::plot {
 
 namespace {
 
-constexpr double kLeft = 58.0;
-constexpr double kRight = 14.0;
 constexpr double kBottom = 46.0;
 constexpr double kPlotHeight = 220.0;
 constexpr double kMaxPlotHeight = 520.0;
@@ -136,7 +134,7 @@ std::string svg_of(const LineChart& chart) {
   Range x;
   Range y;
   find_ranges(chart, x, y);
-  const double width = kDrawingWidth - kLeft - kRight;
+  const double width = kAxesWidth;
   const double height = fit_height(chart, width, x, y);
   Legend legend;
   for (std::size_t i = 0; i < chart.series.size(); ++i) {
@@ -146,8 +144,8 @@ std::string svg_of(const LineChart& chart) {
                       : chart.series[i].dashed ? Mark::kDashes
                                                : Mark::kLine});
   }
-  const PlacedLegend placed = place(legend, kLeft, kDrawingWidth - kRight);
-  const Axes axes({kLeft, placed.height + 26.0, width, height}, x, y);
+  const PlacedLegend placed = place(legend, kAxesLeft, kAxesLeft + kAxesWidth);
+  const Axes axes({kAxesLeft, placed.height + 26.0, width, height}, x, y);
 
   std::string body = placed.svg;
   if (chart.backdrop) {

@@ -41,7 +41,10 @@ struct LineChart {
 /// Returns the chart as one SVG element. Long lines are thinned to what the eye can see.
 std::string svg_of(const LineChart& chart);
 
-/// Width of every drawing: small enough that its text is readable on a phone.  Units: CSS px.
+/// Width of every drawing: small enough that its text is readable on a phone; and where its axes begin and how wide they
+/// are. Units: CSS px.
 inline constexpr double kDrawingWidth = 560.0;
+inline constexpr double kAxesLeft = 58.0;
+inline constexpr double kAxesWidth = kDrawingWidth - kAxesLeft - 14.0;
 
 }  // namespace slamd::plot

@@ -14,8 +14,6 @@ namespace slamd::plot {
 namespace {
 
 constexpr std::size_t kMaxBins = 160;
-constexpr double kLeft = 58.0;
-constexpr double kWidth = kDrawingWidth - kLeft - 14.0;
 constexpr double kHeight = 220.0;
 
 double mean(const std::vector<double>& values, std::size_t begin, std::size_t end) {
@@ -59,14 +57,14 @@ std::string svg_of(const StackedChart& chart) {
   for (std::size_t k = 0; k < chart.layers.size(); ++k) {
     legend.push_back({chart.layers[k].name, kSeriesColours[k % kSeriesColours.size()], Mark::kBox});
   }
-  const PlacedLegend placed = place(legend, kLeft, kLeft + kWidth);
-  const Axes axes({kLeft, placed.height + 26.0, kWidth, kHeight}, x, y);
+  const PlacedLegend placed = place(legend, kAxesLeft, kAxesLeft + kAxesWidth);
+  const Axes axes({kAxesLeft, placed.height + 26.0, kAxesWidth, kHeight}, x, y);
   std::string body = placed.svg + axes.svg(chart.x_label, chart.y_label);
   for (std::size_t k = 0; k < chart.layers.size(); ++k) {
     std::string path;
     for (std::size_t bin = 0; bin < bins; ++bin) {
       const double left = axes.px(chart.x[begin_of(bin)]);
-      const double right = bin + 1 < bins ? axes.px(chart.x[begin_of(bin + 1)]) : kLeft + kWidth;
+      const double right = bin + 1 < bins ? axes.px(chart.x[begin_of(bin + 1)]) : kAxesLeft + kAxesWidth;
       path += rectangle(
           left, std::max(right, left + 0.5), axes.py(tops[k + 1][bin]), axes.py(tops[k][bin]));
     }

@@ -12,8 +12,6 @@ namespace slamd::plot {
 
 namespace {
 
-constexpr double kLeft = 58.0;
-constexpr double kWidth = kDrawingWidth - kLeft - 14.0;
 constexpr double kRow = 34.0;
 
 std::string colour_of(const Timeline& timeline, const std::string& kind) {
@@ -55,13 +53,13 @@ std::string svg_of(const Timeline& timeline) {
     }
   }
   x.widen(0.0);
-  const PlacedLegend placed = place(legend_of(timeline), kLeft, kLeft + kWidth);
+  const PlacedLegend placed = place(legend_of(timeline), kAxesLeft, kAxesLeft + kAxesWidth);
   const double height = kRow * static_cast<double>(timeline.rows.size());
-  const Axes axes({kLeft, placed.height + 10.0, kWidth, height}, x, {0.0, 1.0});
+  const Axes axes({kAxesLeft, placed.height + 10.0, kAxesWidth, height}, x, {0.0, 1.0});
   std::string body = placed.svg + axes.svg(timeline.x_label, "", false);
   double top = axes.frame().top + 5.0;
   for (const TimelineRow& row : timeline.rows) {
-    body += text_at(kLeft - 6.0, top + 0.5 * kRow, row.name, "end");
+    body += text_at(kAxesLeft - 6.0, top + 0.5 * kRow, row.name, "end");
     for (const Span& span : row.spans) {
       // A span of one scan must still be seen.
       const double width = std::max(1.5, axes.px(span.end) - axes.px(span.begin));

@@ -8,6 +8,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "core/base/units.hpp"
 #include "daemon/configuration/key_table.hpp"
 #include "drivers/recording/tum.hpp"
 #include "tools/evaluate/motions.hpp"
@@ -39,7 +40,6 @@ report::FilterRun filter_run(const std::string& filter, const Run& run) {
 }
 
 ordered_json accuracy_json(const report::Accuracy& accuracy) {
-  constexpr double kDegree = M_PI / 180.0;
   return {{"ape_rmse_m", accuracy.ape_m.rmse},
           {"ape_max_m", accuracy.ape_m.max},
           {"alignment", accuracy.yaw_only ? "yaw" : "se3"},

@@ -5,13 +5,13 @@
 
 #include <Eigen/Geometry>
 
+#include "core/base/units.hpp"
 #include "core/geometry/so3.hpp"
 
 namespace slamd::sensors {
 
 namespace {
 
-constexpr double kDegree = M_PI / 180.0;
 
 }  // namespace
 

@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/units.hpp"
 #include "core/geometry/so3.hpp"
 
 namespace slamd::simulate {
 
 namespace {
 
-constexpr double kGravity_mps2 = 9.80665;
 
 double quantised(double value, double step) { return step > 0.0 ? step * std::round(value / step) : value; }
 
@@ -24,7 +24,7 @@ InertialReading true_reading(const Motion& motion, const geometry::Se3& T_base_i
   const Eigen::Vector3d alpha =
       (motion.at(after).rate_base_radps - motion.at(before).rate_base_radps) / (after - before);
   const Eigen::Vector3d lever = T_base_imu.translation();
-  const Eigen::Vector3d gravity(0.0, 0.0, -kGravity_mps2);
+  const Eigen::Vector3d gravity(0.0, 0.0, -kStandardGravity_mps2);
   const Eigen::Vector3d force_base = state.T_world_base.rotation().transpose() * (state.acceleration_mps2 - gravity) +
                                      alpha.cross(lever) + w.cross(w.cross(lever));
   const Eigen::Matrix3d R_imu_base = T_base_imu.rotation().transpose();

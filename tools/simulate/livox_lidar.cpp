@@ -5,6 +5,7 @@
 #include <span>
 
 #include "core/base/bytes.hpp"
+#include "core/base/units.hpp"
 
 namespace slamd::simulate {
 
@@ -13,7 +14,6 @@ namespace {
 constexpr std::size_t kHeaderBytes = 18;
 constexpr std::size_t kPointBytes = 14;
 constexpr int kFiringsAMotion = 12;  // 50 µs
-constexpr double kGravity_mps2 = 9.80665;
 
 /// Return number, what the device thinks of its intensity, and of its place.
 std::uint8_t tag_of(const Echo& echo, std::size_t number) {
@@ -151,7 +151,7 @@ SentPacket LivoxLidar::imu_packet(double t_s, const InertialReading& reading) co
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const auto i = static_cast<int>(axis);
     store_le(bytes, kHeaderBytes + 4 * axis, static_cast<float>(reading.rate_radps[i]));
-    store_le(bytes, kHeaderBytes + 12 + 4 * axis, static_cast<float>(reading.force_mps2[i] / kGravity_mps2));
+    store_le(bytes, kHeaderBytes + 12 + 4 * axis, static_cast<float>(reading.force_mps2[i] / kStandardGravity_mps2));
   }
   return packet;
 }

@@ -5,6 +5,7 @@
 #include <span>
 
 #include "core/base/bytes.hpp"
+#include "core/base/units.hpp"
 
 namespace slamd::simulate {
 
@@ -17,7 +18,6 @@ constexpr double kLowest_deg = -7.0;
 constexpr double kHighest_deg = 52.0;
 constexpr double kTurns_hz = 10.37;
 constexpr double kSwings_hz = 1127.3;
-constexpr double kGravity_mps2 = 9.80665;
 
 SentPacket packet_with_header(std::size_t bytes, std::uint8_t type, std::uint16_t points, std::uint16_t interval,
                               std::uint64_t number, double t_s) {
@@ -113,7 +113,7 @@ SentPacket Mid360Lidar::imu_packet(double t_s, std::uint64_t index, const Inerti
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const auto i = static_cast<int>(axis);
     store_le(bytes, kHeaderBytes + 4 * axis, static_cast<float>(reading.rate_radps[i]));
-    store_le(bytes, kHeaderBytes + 12 + 4 * axis, static_cast<float>(reading.force_mps2[i] / kGravity_mps2));
+    store_le(bytes, kHeaderBytes + 12 + 4 * axis, static_cast<float>(reading.force_mps2[i] / kStandardGravity_mps2));
   }
   seal(packet);
   return packet;

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "core/base/bytes.hpp"
+#include "core/base/units.hpp"
 #include "tools/simulate/nmea.hpp"
 
 namespace slamd::simulate {
@@ -15,7 +16,6 @@ constexpr std::size_t kDataBytes = 1206;
 constexpr std::size_t kBlockBytes = 100;
 constexpr std::size_t kPositionBytes = 512;
 constexpr std::uint32_t kAddress = 0xC0A801C9;  // 192.168.1.201
-constexpr double kDegree = M_PI / 180.0;
 
 /// Microseconds since the top of the hour.
 std::uint32_t stamp_us(double hour_s) {

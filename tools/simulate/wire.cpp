@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/base/bytes.hpp"
+#include "core/base/units.hpp"
 #include "tools/simulate/mid360_lidar.hpp"
 
 namespace slamd::simulate {
@@ -14,7 +15,6 @@ constexpr std::size_t kLivoxHeader = 18;
 constexpr std::size_t kLivox2Header = 36;
 constexpr std::size_t kPointBytes = 14;
 constexpr std::size_t kImuBytes = 24;
-constexpr double kGravity_mps2 = 9.80665;
 constexpr std::int64_t kHour_us = 3'600'000'000;
 
 void reseal(std::span<std::byte> payload) { store_le(payload, 24, crc32_of(payload.subspan(28))); }
@@ -167,7 +167,7 @@ bool clip_imu(std::span<std::byte> payload, Wire wire, const InertialLimits& lim
   const std::size_t header = wire == Wire::kLivoxImu ? kLivoxHeader : kLivox2Header;
   bool clipped = false;
   for (std::size_t i = 0; i < 6; ++i) {
-    const auto limit = static_cast<float>(i < 3 ? limits.rate_radps : limits.force_mps2 / kGravity_mps2);
+    const auto limit = static_cast<float>(i < 3 ? limits.rate_radps : limits.force_mps2 / kStandardGravity_mps2);
     const auto value = load_le<float>(payload, header + 4 * i);
     if (limit > 0.0F && std::abs(value) > limit) {
       store_le(payload, header + 4 * i, std::copysign(limit, value));

@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <vector>
 
+#include "core/base/units.hpp"
 #include "core/geometry/so3.hpp"
 
 namespace slamd::status {
@@ -13,7 +14,6 @@ namespace slamd::status {
 namespace {
 
 constexpr std::chrono::seconds kSilence{3};
-constexpr double kDegree = M_PI / 180.0;
 constexpr const char* kAxes[] = {"x", "y", "z", "roll", "pitch", "yaw"};
 
 [[gnu::format(printf, 1, 2)]] std::string line(const char* format, ...) {

@@ -1,3 +1,4 @@
+#include "core/base/units.hpp"
 #include "core/calibration/gravity_check.hpp"
 
 #include <gtest/gtest.h>
@@ -9,7 +10,6 @@
 namespace slamd::calibration {
 namespace {
 
-constexpr double kDegree = M_PI / 180.0;
 
 /// Drives `way_m` in circles over ground that rises and falls, with base leaning against the vehicle by what is given.
 GravityAgreement driven(double way_m, double roll_rad, double pitch_rad) {

@@ -1,3 +1,4 @@
+#include "core/base/units.hpp"
 #include "core/calibration/words.hpp"
 
 #include <gtest/gtest.h>
@@ -9,7 +10,6 @@
 namespace slamd::calibration {
 namespace {
 
-constexpr double kDegree = M_PI / 180.0;
 
 TEST(Complaints, AreNoneWhereAllAgrees) {
   SensorAgreement agreement;

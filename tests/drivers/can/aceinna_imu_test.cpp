@@ -1,3 +1,4 @@
+#include "core/base/units.hpp"
 #include "drivers/can/aceinna_imu.hpp"
 
 #include <gtest/gtest.h>
@@ -16,7 +17,6 @@ using std::chrono::microseconds;
 
 constexpr std::uint32_t kForce = 0x08F02D80;
 constexpr std::uint32_t kRate = 0x0CF02A80;
-constexpr double kDegree = M_PI / 180.0;
 /// x, y and z as they stand on the wire.
 constexpr AxisMap kAsOnTheWire{{0, 1, 2}, {1.0, 1.0, 1.0}};
 

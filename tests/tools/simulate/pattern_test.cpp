@@ -3,6 +3,7 @@
 #include <cmath>
 #include <set>
 
+#include "core/base/units.hpp"
 #include "tools/simulate/mid360_lidar.hpp"
 #include "tools/simulate/risley.hpp"
 #include "tools/simulate/scenery.hpp"
@@ -10,7 +11,6 @@
 namespace slamd::simulate {
 namespace {
 
-constexpr double kDegree = M_PI / 180.0;
 constexpr double kFirings_hz = 240'000.0;
 
 Eigen::Vector3d shot(const Risley& sut, int i) { return sut.direction(i / kFirings_hz, i % 6); }

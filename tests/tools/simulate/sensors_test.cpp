@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include "core/base/bytes.hpp"
+#include "core/base/units.hpp"
 #include "drivers/gnss/nmea.hpp"
 #include "drivers/velodyne/position.hpp"
 #include "decoded.hpp"
@@ -12,7 +13,6 @@
 namespace slamd::simulate {
 namespace {
 
-constexpr double kDegree = M_PI / 180.0;
 
 Drive drive_with(LidarKind lidar, const std::string& world = "town") {
   Drive drive;

@@ -2,13 +2,13 @@
 
 #include <cmath>
 
+#include "core/base/units.hpp"
 #include "core/geometry/so3.hpp"
 #include "tools/simulate/scenery.hpp"
 
 namespace slamd::simulate {
 namespace {
 
-constexpr double kDegree = M_PI / 180.0;
 
 Motion ridden(VehicleKind vehicle, double vibration_mps2 = 0.0, double bumps = 0.0,
               const std::string& world = "warehouse") {
