@@ -45,6 +45,16 @@ function(_slamd_precompile target kind)
   target_precompile_headers(${target} REUSE_FROM ${parsed})
 endfunction()
 
+# With SLAMD_UNITY_BUILD a folder's sources are compiled some at a time, as if they were one: what they include is parsed once,
+# and a build of everything takes half as long. Names of one source's unnamed namespace then meet those of the next; where
+# they must not, ALONE names the source. The presets dev, tidy and fuzz do without, so that there each source stands alone.
+function(_slamd_unity target)
+  set_target_properties(${target} PROPERTIES UNITY_BUILD ${SLAMD_UNITY_BUILD} UNITY_BUILD_BATCH_SIZE 6)
+  if(ARGN)
+    set_source_files_properties(${ARGN} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
+  endif()
+endfunction()
+
 function(_slamd_target_name out folder)
   string(REPLACE "/" "_" name ${folder})
   set(${out} slamd_${name} PARENT_SCOPE)
@@ -93,6 +103,7 @@ function(slamd_library folder)
   list(TRANSFORM arg_SOURCES PREPEND ${PROJECT_SOURCE_DIR}/${folder}/)
   if(arg_SOURCES)
     add_library(${name} STATIC ${arg_SOURCES})
+    _slamd_unity(${name})
     set(visibility PUBLIC)
     target_link_libraries(${name} PRIVATE slamd_flags)
   else()
@@ -115,6 +126,7 @@ function(slamd_program program folder)
   cmake_parse_arguments(arg "" "" "SOURCES;DEPS" ${ARGN})
   list(TRANSFORM arg_SOURCES PREPEND ${PROJECT_SOURCE_DIR}/${folder}/)
   add_executable(${program} ${arg_SOURCES})
+  _slamd_unity(${program})
   target_link_libraries(${program} PRIVATE slamd_flags)
   _slamd_link(${program} PRIVATE "${arg_DEPS}")
   _slamd_precompile(${program} library)
@@ -131,20 +143,22 @@ function(slamd_preload name folder)
   _slamd_link(${name} PRIVATE "${arg_DEPS}")
 endfunction()
 
-# slamd_test(FOLDER SOURCES s... [DEPS d...] [LABELS l...]): the tests of one folder, as one program.
+# slamd_test(FOLDER SOURCES s... [ALONE s...] [DEPS d...] [LABELS l...]): the tests of one folder, as one program.
 # It sees only what the folder's own DEPS list, the folder itself and gtest. Labels: "threads" marks what the
 # ThreadSanitizer run repeats; the target "threaded_tests" builds just those. "sockets" marks what needs a real
 # kernel's sockets, "long" what simulates drives: neither is run in the emulator. The target "onboard_tests" builds those of
 # the folders that run on a vehicle, core, drivers and daemon, that the emulator runs; "onboard_socket_tests" the others.
 function(slamd_test folder)
-  cmake_parse_arguments(arg "" "" "SOURCES;DEPS;LABELS" ${ARGN})
+  cmake_parse_arguments(arg "" "" "SOURCES;ALONE;DEPS;LABELS" ${ARGN})
   if(arg_UNPARSED_ARGUMENTS)
     message(FATAL_ERROR "slamd_test(${folder}): unexpected ${arg_UNPARSED_ARGUMENTS}")
   endif()
   string(REPLACE "/" "_" name ${folder})
   set(name test_${name})
   list(TRANSFORM arg_SOURCES PREPEND ${PROJECT_SOURCE_DIR}/tests/${folder}/)
-  add_executable(${name} ${arg_SOURCES})
+  list(TRANSFORM arg_ALONE PREPEND ${PROJECT_SOURCE_DIR}/tests/${folder}/)
+  add_executable(${name} ${arg_SOURCES} ${arg_ALONE})
+  _slamd_unity(${name} ${arg_ALONE})
   set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/tests)
   target_link_libraries(${name} PRIVATE slamd_flags)
   target_compile_options(${name} PRIVATE ${SLAMD_TEST_OPTIMISATION})
