@@ -2,7 +2,7 @@
 # SLAMD_GARBAGE_SECONDS (20; tools/check --full: 300) of garbage against the ASan build of slamd, on every port: data,
 # position and inertial datagrams from the sensor's own address and from a stranger's, bytes at the serial port, whatever
 # at LCM's group; with a good drive in between. Two daemons at once: VLP-16 with the IMU over UDP, and Avia with a serial
-# IMU. Needs root for the namespaces, and build/asan/bin/slamd.
+# IMU; and slamd-sensors beside them, which hears all of it. Needs root for the namespaces, and build/asan/bin/slamd.
 set -uo pipefail
 cd "$(dirname "$0")/../.."
 . tests/system/verdicts.bash
@@ -10,8 +10,9 @@ needs jq ip
 seconds=${SLAMD_GARBAGE_SECONDS:-20}
 asan=$(realpath -m "${SLAMD_ASAN:-build/asan/bin/slamd}")
 garbage=$(realpath -m "$bin/../tests/slamd_garbage")
-if [ ! -x "$asan" ]; then
-  skip "no ASan build of slamd (cmake --preset asan && cmake --build --preset asan --target slamd)"
+sensors="$(dirname "$asan")/slamd-sensors"
+if [ ! -x "$asan" ] || [ ! -x "$sensors" ]; then
+  skip "no ASan build (cmake --preset asan && cmake --build --preset asan --target slamd slamd-sensors)"
   exit 0
 fi
 . tests/system/network.bash
@@ -55,9 +56,20 @@ throw slamd_sensor 4 udp "$scratch/AVIA/drive" 10.77.0.3 10.77.0.1 56001
 throw slamd_host 5 pty "$scratch/AVIA/drive" "$scratch/imu"
 throw slamd_host 6 lcm VELO
 throw slamd_host 7 lcm AVIA
+ip netns exec slamd_host "$sensors" --seconds "$seconds" --json --no-serial --port 7501 --write "$scratch/found.toml" \
+  >"$scratch/seen.json" 2>"$scratch/sensors.log" &
+listener=$!
+pids+=("$listener")
 for sender in "${senders[@]}"; do wait "$sender" || fail "garbage is sent"; done
 echo "$(cat "$scratch"/count.* | awk '{ sum += $1 } END { print sum }') pieces of garbage in $seconds s"
 sleep 3  # the limit of commands a second has passed
+
+if wait "$listener"; then pass "slamd-sensors: ends cleanly"; else fail "slamd-sensors: ends with an error"; fi
+complains() { grep -qE 'ERROR: |runtime error|SUMMARY' "$1"; }
+if complains "$scratch/sensors.log"; then fail "slamd-sensors: the sanitizer complains"; head -n 40 "$scratch/sensors.log"; else pass "slamd-sensors: the sanitizers have no complaint"; fi
+tail -n 1 "$scratch/seen.json" >"$scratch/seen_last.json"
+holds "slamd-sensors: found both LiDARs in it" "$scratch/seen_last.json" '[.lidars[] | select(.packets.total > 1000)] | length == 2'
+check "slamd-sensors: wrote a configuration that slamd takes" "$bin/slamd" --check --config "$scratch/found.toml"
 
 # answers NAME: a refusal is an answer, too: after a new-map among the garbage there may be no pose yet.
 answers() {
@@ -75,7 +87,7 @@ for name in VELO AVIA; do
   holds "$name: took the good packets in between" "$scratch/$name.json" '.health.sensors[0].received > 1000'
   kill -TERM "${daemon_of[$name]}"
   if wait "${daemon_of[$name]}"; then pass "$name: ends cleanly"; else fail "$name: ends with an error"; fi
-  if grep -qE 'ERROR: |runtime error|SUMMARY' "$scratch/$name/slamd.log"; then
+  if complains "$scratch/$name/slamd.log"; then
     fail "$name: the sanitizer complains"
     grep -E 'ERROR: |runtime error|SUMMARY' -A12 "$scratch/$name/slamd.log" | head -n 40
   else
