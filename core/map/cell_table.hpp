@@ -76,6 +76,9 @@ class CellTable {
 
   Cell& touch(CellKey key, float path_m) { return cells_[touch(key, path_m, [](std::uint32_t) {}).place]; }
 
+  /// Brings what place_of will look at nearer to the processor.
+  void prefetch_slot(CellKey key) const { __builtin_prefetch(&slots_[home_(key)]); }
+
   /// Brings the head of a cell, and its age, nearer to the processor.
   void prefetch(std::uint32_t place) const {
     constexpr std::size_t kLine_bytes = 64;

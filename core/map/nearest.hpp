@@ -20,6 +20,7 @@ struct Neighbours {
   std::size_t count = 0;
   std::array<float, kMax> distance_sq_m2{};
   std::array<Eigen::Vector3f, kMax> points_odom{};
+  float others_beyond_sq_m2 = 0.0F;  // no other stored point is nearer than this; at most the radius of the search
 };
 
 /// A cell that a search looks into, unless all of it lies too far away.
@@ -28,7 +29,7 @@ struct CellVisit {
   float gap_sq_m2;  // from the query to the cell's nearest face
 };
 
-/// The best points of a search so far, nearest first. A point is a number: its squared distance, whose bits sort as the
+/// The best points of a search so far, nearest first, one more than are given out. A point is a number: its squared distance, whose bits sort as the
 /// distance does, above its place among the visited cells. Equal distances so have an order, too.
 struct Nearest {
   explicit Nearest(float radius_sq_m2) { keys.fill(key_of(radius_sq_m2, 0)); }
@@ -52,7 +53,7 @@ struct Nearest {
     }
   }
 
-  std::array<std::uint64_t, Neighbours::kMax> keys;
+  std::array<std::uint64_t, Neighbours::kMax + 1> keys;
 };
 
 /// Offers the points of the cells from the one with index `first` on, skipping cells beyond the current limit. A

@@ -192,7 +192,8 @@ Neighbours PointGrid::nearest(const Eigen::Vector3f& query_odom, float radius_m)
   }
 
   Neighbours neighbours;
-  for (const std::uint64_t key : best.keys) {
+  neighbours.others_beyond_sq_m2 = best.limit_sq_m2();
+  for (const std::uint64_t key : std::span(best.keys).first<Neighbours::kMax>()) {
     if (Nearest::distance_sq_m2(key) >= radius_sq) {
       break;
     }

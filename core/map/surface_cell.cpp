@@ -24,7 +24,12 @@ void SurfaceCell::add(const Eigen::Vector3f& p_odom) {
   ++count;
   const Eigen::Vector3f d = p_odom - anchor_odom;
   sum += d;
-  square_sum.noalias() += d * d.transpose();
+  square_sum[0] += d.x() * d.x();
+  square_sum[1] += d.x() * d.y();
+  square_sum[2] += d.x() * d.z();
+  square_sum[3] += d.y() * d.y();
+  square_sum[4] += d.y() * d.z();
+  square_sum[5] += d.z() * d.z();
   if (count >= kMinPoints && 4 * count >= 5 * fitted_count) {
     fit();
   }
@@ -45,7 +50,11 @@ void SurfaceCell::fit() {
   const float n = static_cast<float>(count);
   const Eigen::Vector3f mean = sum / n;
   mean_odom = anchor_odom + mean;
-  const Eigen::Matrix3f covariance = square_sum / n - mean * mean.transpose();
+  Eigen::Matrix3f squares;
+  squares << square_sum[0], square_sum[1], square_sum[2],  //
+      square_sum[1], square_sum[3], square_sum[4],         //
+      square_sum[2], square_sum[4], square_sum[5];
+  const Eigen::Matrix3f covariance = squares / n - mean * mean.transpose();
   Eigen::SelfAdjointEigenSolver<Eigen::Matrix3f> solver;
   solver.computeDirect(covariance);
   const Eigen::Vector3f& lambda = solver.eigenvalues();

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 
@@ -16,18 +17,20 @@ enum class Surface : std::uint8_t {
   kRing,     // the same, level: as a rule one ring of beams on a floor or a wall, nobody knows which
 };
 
-/// A cube of the coarse grid: running mean and covariance of its points, and the plane or line through them.
+/// A cube of the coarse grid: running mean and covariance of its points, and the plane or line through them. What a point
+/// that comes in needs fills one cache line, what a query needs half of another.
 /// Frames: odom.  Units: m.
-struct SurfaceCell {
-  Surface surface = Surface::kUnknown;
+struct alignas(64) SurfaceCell {
   std::uint32_t count = 0;
-  std::uint32_t fitted_count = 0;                       // points in the last fit
-  float thickness_m = 0.0F;                             // of a plane: one standard deviation across it
+  std::uint32_t fitted_count = 0;                         // points in the last fit
+  Eigen::Vector3f anchor_odom = Eigen::Vector3f::Zero();  // the first point: keeps the sums small and exact
+  Eigen::Vector3f sum = Eigen::Vector3f::Zero();          // of p − anchor
+  std::array<float, 6> square_sum{};                      // of (p − anchor)(p − anchor)ᵀ: xx, xy, xz, yy, yz, zz
+
+  alignas(64) Surface surface = Surface::kUnknown;
+  float thickness_m = 0.0F;  // of a plane: one standard deviation across it
   Eigen::Vector3f mean_odom = Eigen::Vector3f::Zero();
   Eigen::Vector3f axis_odom = Eigen::Vector3f::UnitZ();  // the plane's normal, or the line's direction
-  Eigen::Vector3f sum = Eigen::Vector3f::Zero();         // of p − anchor
-  Eigen::Matrix3f square_sum = Eigen::Matrix3f::Zero();  // of (p − anchor)(p − anchor)ᵀ
-  Eigen::Vector3f anchor_odom = Eigen::Vector3f::Zero();  // the first point: keeps the sums small and exact
 
   void clear() { *this = SurfaceCell{}; }
 
@@ -53,5 +56,7 @@ struct SurfaceCell {
  private:
   void fit();
 };
+
+static_assert(sizeof(SurfaceCell) == 128);
 
 }  // namespace slamd::map

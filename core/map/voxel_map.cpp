@@ -30,17 +30,29 @@ void VoxelMap::insert(std::span<const Eigen::Vector3f> points_odom, double path_
 }
 
 void VoxelMap::insert_surfaces(std::span<const Eigen::Vector3f> points_odom, float path_m, std::size_t level) {
-  constexpr std::size_t kAhead = 6;
+  // Of each point first the slot is fetched, then the cell, then it is used: by then both have come.
+  constexpr std::size_t kCellAhead = 6;
+  constexpr std::size_t kSlotAhead = 12;
+  constexpr std::size_t kKeys = 16;
+  std::array<geometry::CellKey, kKeys> keys;  // of the points ahead, in turn
   CellTable<SurfaceCell>& cells = surfaces_[level];
   const float inverse_side = inverse_surface_cell_[level];
-  for (std::size_t i = 0; i < points_odom.size(); ++i) {
-    if (i + kAhead < points_odom.size()) {
-      const std::uint32_t place = cells.place_of(geometry::key_of(points_odom[i + kAhead], inverse_side));
+  for (std::size_t i = 0; i < points_odom.size() + kSlotAhead; ++i) {
+    if (i < points_odom.size()) {
+      keys[i % kKeys] = geometry::key_of(points_odom[i], inverse_side);
+      cells.prefetch_slot(keys[i % kKeys]);
+    }
+    const std::size_t next = i - (kSlotAhead - kCellAhead);  // wraps before the first
+    if (next < points_odom.size()) {
+      const std::uint32_t place = cells.place_of(keys[next % kKeys]);
       if (place != CellTable<SurfaceCell>::kNone) {
         cells.prefetch(place);
       }
     }
-    cells.touch(geometry::key_of(points_odom[i], inverse_side), path_m).add(points_odom[i]);
+    const std::size_t now = i - kSlotAhead;
+    if (now < points_odom.size()) {
+      cells.touch(keys[now % kKeys], path_m).add(points_odom[now]);
+    }
   }
 }
 

@@ -79,7 +79,7 @@ UpdateResult iterated_update(const NavState& prior,
                              const map::VoxelMap& map,
                              const Se3& T_odom_imu_start,
                              const UpdateConfig& config,
-                             BoundedVector<registration::Constraint>& scratch,
+                             registration::Association& association,
                              const std::optional<Eigen::Vector3d>& remembered_weak_odom) {
   UpdateResult result;
   const Covariance P_prior_inverse = P_prior.ldlt().solve(Covariance::Identity());
@@ -88,21 +88,22 @@ UpdateResult iterated_update(const NavState& prior,
   NormalEquations sum;
   int associations = 0;
   bool associate = true;
+  association.begin(scan);
   for (int i = 0; i < config.max_iterations; ++i) {
     if (associate) {
-      registration::associate(scan, map, state.T_odom_imu, config.association, scratch);
+      registration::associate(scan, map, state.T_odom_imu, config.association, association);
       ++associations;
     }
     if (associate || result.localisability.weak.count == 0) {
-      sum = registration::linearize(scratch.view(), state.T_odom_imu, config.kernel_m);
+      sum = registration::linearize(association.constraints.view(), state.T_odom_imu, config.kernel_m);
     }
     if (associate) {
-      result.localisability = localisability_of(scratch.view(), sum.H, state.T_odom_imu, config.kernel_m,
+      result.localisability = localisability_of(association.constraints.view(), sum.H, state.T_odom_imu, config.kernel_m,
                                                 config.degenerate_share, remembered_weak_odom);
     }
     // A weak direction keeps the prior, but for what really faces it.
     if (result.localisability.weak.count != 0) {
-      sum = registration::linearize_trusted(scratch.view(), state.T_odom_imu, config.kernel_m,
+      sum = registration::linearize_trusted(association.constraints.view(), state.T_odom_imu, config.kernel_m,
                                             result.localisability.weak);
     }
     if (sum.count < config.min_constraints) {

@@ -2,7 +2,6 @@
 
 #include <optional>
 
-#include "core/base/bounded_vector.hpp"
 #include "core/inertial/nav_state.hpp"
 #include "core/map/voxel_map.hpp"
 #include "core/odometry/localisability.hpp"
@@ -41,11 +40,6 @@ struct UpdateResult {
   bool enough = false;             // constraints for an update; otherwise the prior stands
 };
 
-/// Returns the most constraints that a scan becomes: one a planar feature, two an edge.
-inline std::size_t max_constraints(const scan::PreprocessConfig& config) {
-  return config.max_planar + 2 * config.max_edge;
-}
-
 /// Writes what a scan's constraints say of the pose at which they were summed: their number, information and fit.
 void note_fit(const registration::NormalEquations& sum,
               const scan::DeskewedScan& scan,
@@ -62,14 +56,14 @@ void widen_where_excluded(const inertial::NavState& prior, const geometry::Se3& 
 /// information form. `T_odom_imu_start` is where it is linearised first: the prediction, or the swarm's mode.
 /// `remembered_weak_odom` is a direction that counts as weak, whatever the scan shows of it: see WeakMemory.
 /// Source: iterated error-state Kalman filter as maximum a posteriori (Bell and Cathey, 1993; Xu et al., 2022).
-/// Real-time: no allocation; `scratch` holds max_constraints.
+/// Real-time: no allocation; `association` is scratch.
 UpdateResult iterated_update(const inertial::NavState& prior,
                              const inertial::Covariance& P_prior,
                              const scan::DeskewedScan& scan,
                              const map::VoxelMap& map,
                              const geometry::Se3& T_odom_imu_start,
                              const UpdateConfig& config,
-                             BoundedVector<registration::Constraint>& scratch,
+                             registration::Association& association,
                              const std::optional<Eigen::Vector3d>& remembered_weak_odom = std::nullopt);
 
 }  // namespace slamd::odometry

@@ -44,7 +44,7 @@ Odometry::Odometry(const OdometryConfig& config)
       psf_(config.psf, config.seed),
       environment_(config.environment, config.indoor_below_m, config.outdoor_above_m),
       wheels_(config.wheel),
-      constraints_(max_constraints(config.preprocess)),
+      association_(config.preprocess),
       points_odom_(config.preprocess.max_map_points),
       swarm_points_imu_(config.psf.points) {}
 
@@ -216,7 +216,7 @@ void Odometry::coast(bool without_imu) {
 
 UpdateResult Odometry::update(const DeskewedScan& scan, Cause prediction_cause, psf::Answer& swarm) {
   const std::optional<Eigen::Vector3d> remembered_weak_odom = weak_memory_.direction_odom();
-  const UpdateResult plain = iterated_update(state_, P_, scan, map_, state_.T_odom_imu, config_.update, constraints_,
+  const UpdateResult plain = iterated_update(state_, P_, scan, map_, state_.T_odom_imu, config_.update, association_,
                                              remembered_weak_odom);
   if (config_.filter == Filter::kIekf) {
     return plain;
@@ -234,7 +234,7 @@ UpdateResult Odometry::update(const DeskewedScan& scan, Cause prediction_cause, 
   }
   // The winner is where the final EKF update is linearised. Where the prior excludes it, the prior was wrong.
   widen_where_excluded(state_, swarm.T_odom_imu, P_);
-  UpdateResult posterior = iterated_update(state_, P_, scan, map_, swarm.T_odom_imu, config_.update, constraints_,
+  UpdateResult posterior = iterated_update(state_, P_, scan, map_, swarm.T_odom_imu, config_.update, association_,
                                            remembered_weak_odom);
   posterior.innovation = 0.0;  // it was judged by the gate
   return posterior;

@@ -138,7 +138,7 @@ class Odometry {
   std::uint32_t said_restarts_ = 0;
   geometry::Matrix6d shared_errors_ = geometry::Matrix6d::Zero();
   // scratch, sized once
-  BoundedVector<registration::Constraint> constraints_;
+  registration::Association association_;
   BoundedVector<Eigen::Vector3f> points_odom_;
   BoundedVector<Eigen::Vector3f> swarm_points_imu_;
 };

@@ -126,15 +126,38 @@ float ScanLikelihood::with_cache(const Se3& T_odom_imu, float sigma_m) const {
   const Eigen::Matrix3f R = T_odom_imu.rotation().cast<float>();
   const Eigen::Vector3f t = T_odom_imu.translation().cast<float>();
   const float scale = 0.5F / (sigma_m * sigma_m);
-  // Four running sums, so that the order of the additions is the same with and without vector instructions.
-  float cost[4] = {};
-  for (std::size_t i = 0; i < count; ++i) {
-    const float ex = R(0, 0) * x_[i] + R(0, 1) * y_[i] + R(0, 2) * z_[i] + t.x() - mean_x_[i];
-    const float ey = R(1, 0) * x_[i] + R(1, 1) * y_[i] + R(1, 2) * z_[i] + t.y() - mean_y_[i];
-    const float ez = R(2, 0) * x_[i] + R(2, 1) * y_[i] + R(2, 2) * z_[i] + t.z() - mean_z_[i];
-    const float a = axis_x_[i] * ex + axis_y_[i] * ey + axis_z_[i] * ez;
-    const float r_sq = along_[i] * a * a + across_[i] * (ex * ex + ey * ey + ez * ez);
-    cost[i % 4] += std::max(std::min(scale * r_sq, kFullCost), least_cost_[i]);
+  const float* const x = x_.data();
+  const float* const y = y_.data();
+  const float* const z = z_.data();
+  const float* const mean_x = mean_x_.data();
+  const float* const mean_y = mean_y_.data();
+  const float* const mean_z = mean_z_.data();
+  const float* const axis_x = axis_x_.data();
+  const float* const axis_y = axis_y_.data();
+  const float* const axis_z = axis_z_.data();
+  const float* const along = along_.data();
+  const float* const across = across_.data();
+  const float* const least_cost = least_cost_.data();
+  const auto cost_of = [&](std::size_t i) {
+    const float ex = R(0, 0) * x[i] + R(0, 1) * y[i] + R(0, 2) * z[i] + t.x() - mean_x[i];
+    const float ey = R(1, 0) * x[i] + R(1, 1) * y[i] + R(1, 2) * z[i] + t.y() - mean_y[i];
+    const float ez = R(2, 0) * x[i] + R(2, 1) * y[i] + R(2, 2) * z[i] + t.z() - mean_z[i];
+    const float a = axis_x[i] * ex + axis_y[i] * ey + axis_z[i] * ez;
+    const float r_sq = along[i] * a * a + across[i] * (ex * ex + ey * ey + ez * ez);
+    const float cost = std::min(scale * r_sq, kFullCost);
+    return std::max(cost, least_cost[i]);
+  };
+  // Four running sums side by side: vector instructions, and the same order of the additions everywhere.
+  constexpr std::size_t kLanes = 4;
+  float cost[kLanes] = {};
+  std::size_t i = 0;
+  for (; i + kLanes <= count; i += kLanes) {
+    for (std::size_t lane = 0; lane < kLanes; ++lane) {
+      cost[lane] += cost_of(i + lane);
+    }
+  }
+  for (std::size_t lane = 0; i < count; ++i, ++lane) {
+    cost[lane] += cost_of(i);
   }
   return -((cost[0] + cost[1]) + (cost[2] + cost[3])) / static_cast<float>(count);
 }

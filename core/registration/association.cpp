@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include <Eigen/Eigenvalues>
-
 namespace slamd::registration {
 
 using geometry::Se3;
@@ -12,33 +10,6 @@ using map::Neighbours;
 using scan::FeaturePoint;
 
 namespace {
-
-/// Centre and principal axes of a few neighbours.
-struct PrincipalAxes {
-  Eigen::Vector3f mean;
-  Eigen::Vector3f lambda;   // ascending
-  Eigen::Matrix3f vectors;  // columns, in the order of lambda
-};
-
-PrincipalAxes principal_axes(const Neighbours& neighbours) {
-  PrincipalAxes axes;
-  axes.mean.setZero();
-  for (std::size_t i = 0; i < neighbours.count; ++i) {
-    axes.mean += neighbours.points_odom[i];
-  }
-  const float n = static_cast<float>(neighbours.count);
-  axes.mean /= n;
-  Eigen::Matrix3f covariance = Eigen::Matrix3f::Zero();
-  for (std::size_t i = 0; i < neighbours.count; ++i) {
-    const Eigen::Vector3f d = neighbours.points_odom[i] - axes.mean;
-    covariance.noalias() += d * d.transpose();
-  }
-  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3f> solver;
-  solver.computeDirect(covariance / n);
-  axes.lambda = solver.eigenvalues();
-  axes.vectors = solver.eigenvectors();
-  return axes;
-}
 
 /// Neighbours this close to a line span no plane. Units: m².
 constexpr float kMinPlaneLambda = 0.03F * 0.03F;
@@ -72,14 +43,16 @@ Eigen::Vector3f tilt_of(const Neighbours& neighbours, const PrincipalAxes& axes)
   return std::sqrt(across_sq / (n * axes.lambda[1])) * axes.vectors.col(1);
 }
 
-/// Brings the map around a later feature nearer to the processor.
-void look_ahead(const FeaturePoint& feature,
+/// Brings the map around a later feature nearer to the processor, unless it was looked up before.
+void look_ahead(std::size_t i,
                 const BoundedVector<FeaturePoint>& features,
+                const BoundedVector<NeighbourFit>& fits,
                 const Eigen::Matrix3f& R,
                 const Eigen::Vector3f& t,
                 const map::VoxelMap& map) {
-  if (features.end() - &feature > map::PointGrid::kAhead) {
-    map.prefetch(R * (&feature + map::PointGrid::kAhead)->p_imu + t);
+  const std::size_t ahead = i + map::PointGrid::kAhead;
+  if (ahead < features.size() && !fits[ahead].is_known()) {
+    map.prefetch(R * features[ahead].p_imu + t);
   }
 }
 
@@ -103,20 +76,37 @@ void add_if_near(const FeaturePoint& feature,
 
 }  // namespace
 
+Association::Association(const scan::PreprocessConfig& config)
+    : constraints(config.max_planar + 2 * config.max_edge), planar(config.max_planar), edge(config.max_edge) {}
+
+void Association::begin(const scan::DeskewedScan& scan) {
+  planar.resize(scan.planar.size());
+  edge.resize(scan.edge.size());
+  for (auto* fits : {&planar, &edge}) {
+    for (NeighbourFit& fit : *fits) {
+      fit.forget();
+    }
+  }
+}
+
 void associate(const scan::DeskewedScan& scan,
                const map::VoxelMap& map,
                const Se3& T_odom_imu,
                const AssociationConfig& config,
-               BoundedVector<Constraint>& out) {
+               Association& association) {
   const Eigen::Matrix3f R = T_odom_imu.rotation().cast<float>();
   const Eigen::Vector3f t = T_odom_imu.translation().cast<float>();
+  BoundedVector<Constraint>& out = association.constraints;
   out.clear();
-  for (const FeaturePoint& feature : scan.planar) {
-    look_ahead(feature, scan.planar, R, t, map);
+  for (std::size_t i = 0; i < scan.planar.size(); ++i) {
+    look_ahead(i, scan.planar, association.planar, R, t, map);
+    const FeaturePoint& feature = scan.planar[i];
     const Eigen::Vector3f p_odom = R * feature.p_imu + t;
-    const Neighbours neighbours = map.nearest(p_odom, config.search_radius_m);
-    if (neighbours.count == Neighbours::kMax) {
-      const PrincipalAxes axes = principal_axes(neighbours);
+    NeighbourFit& fit = association.planar[i];
+    fit.look_up(map, p_odom, config.search_radius_m);
+    if (fit.is_full()) {
+      const Neighbours& neighbours = fit.neighbours();
+      const PrincipalAxes& axes = fit.axes();
       if (spans_plane(neighbours, axes, config)) {
         add_if_near(feature, p_odom, axes.vectors.col(0), axes.mean, config.planar_std_m, tilt_of(neighbours, axes),
                     config, out);
@@ -129,14 +119,16 @@ void associate(const scan::DeskewedScan& scan,
       add_if_near(feature, p_odom, cell->axis_odom, cell->mean_odom, config.sparse_std_m, kNoTilt, config, out);
     }
   }
-  for (const FeaturePoint& feature : scan.edge) {
-    look_ahead(feature, scan.edge, R, t, map);
+  for (std::size_t i = 0; i < scan.edge.size(); ++i) {
+    look_ahead(i, scan.edge, association.edge, R, t, map);
+    const FeaturePoint& feature = scan.edge[i];
     const Eigen::Vector3f p_odom = R * feature.p_imu + t;
-    const Neighbours neighbours = map.nearest(p_odom, config.search_radius_m);
-    if (neighbours.count < Neighbours::kMax) {
+    NeighbourFit& fit = association.edge[i];
+    fit.look_up(map, p_odom, config.search_radius_m);
+    if (!fit.is_full()) {
       continue;
     }
-    const PrincipalAxes axes = principal_axes(neighbours);
+    const PrincipalAxes& axes = fit.axes();
     if (axes.lambda[2] > config.line_ratio * std::max(axes.lambda[1], 1e-5F)) {
       add_if_near(feature, p_odom, axes.vectors.col(0), axes.mean, config.edge_std_m, kNoTilt, config, out);
       add_if_near(feature, p_odom, axes.vectors.col(1), axes.mean, config.edge_std_m, kNoTilt, config, out);

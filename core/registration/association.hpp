@@ -6,6 +6,7 @@
 #include "core/geometry/se3.hpp"
 #include "core/map/voxel_map.hpp"
 #include "core/registration/constraint.hpp"
+#include "core/registration/neighbour_fit.hpp"
 #include "core/scan/preprocessor.hpp"
 
 namespace slamd::registration {
@@ -23,16 +24,30 @@ struct AssociationConfig {
   float angular_std_rad = 0.0005F;   // beam direction: grows with range
 };
 
+/// What a scan's features are associated to, with what is known of each for the next time.
+/// Real-time: allocates in the constructor only.
+struct Association {
+  explicit Association(const scan::PreprocessConfig& config);
+
+  /// Makes ready for a scan, against a map that stays as it is until the next call.
+  void begin(const scan::DeskewedScan& scan);
+
+  BoundedVector<Constraint> constraints;  // room for one a planar feature, two an edge
+  BoundedVector<NeighbourFit> planar;     // by feature
+  BoundedVector<NeighbourFit> edge;
+};
+
 /// Fits planes to the neighbours of the planar features, and lines to those of the edges, at a pose: exact nearest
 /// neighbours on the fine grid. Writes one constraint per accepted plane, two per line.
 /// Frames: features in imu, map in odom.
 /// Source: 5-point planes after FAST-LIO2 (Xu et al., 2022), lines after LOAM; by eigen-decomposition.
-/// Real-time: no allocation; O(features).
+/// Real-time: no allocation; O(features). Call association.begin before the first time for a scan; the same scan
+/// associated anew nearby costs little.
 void associate(const scan::DeskewedScan& scan,
                const map::VoxelMap& map,
                const geometry::Se3& T_odom_imu,
                const AssociationConfig& config,
-               BoundedVector<Constraint>& out);
+               Association& association);
 
 /// The same against the planes and lines of the coarse grid: one look-up a point, for wide basins.
 void associate_surfaces(std::span<const Eigen::Vector3f> points_imu,

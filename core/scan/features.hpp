@@ -46,19 +46,26 @@ class FeatureClassifier {
                 std::span<Shape> shapes);
 
  private:
+  /// The places of a line's points, in firing order: `order_` and all arrays after it are by place.
+  struct Line {
+    std::size_t begin;
+    std::size_t end;
+    std::size_t size() const { return end - begin; }
+  };
+
   void sort_by_line(std::span<const sensor::Point> points, std::span<const std::uint8_t> usable);
-  void classify_line(std::span<const sensor::Point> points,
-                     std::span<const std::uint32_t> line,
-                     std::span<Shape> shapes);
-  void mark_breaks(std::span<const sensor::Point> points, std::span<const std::uint32_t> line);
-  void thin_edges(std::span<const std::uint32_t> line, std::span<Shape> shapes);
+  void classify_line(const Line& line, std::span<Shape> shapes);
+  void mark_breaks(const Line& line);
+  void measure_roughness(const Line& line);
+  void thin_edges(const Line& line, std::span<Shape> shapes);
 
   FeatureConfig config_;
   // scratch, sized once
   BoundedVector<std::uint32_t> order_;       // point indices, line after line, in firing order
-  BoundedVector<float> range_m_;             // per point
-  BoundedVector<float> roughness_m_;         // per place on the line
-  BoundedVector<std::uint8_t> break_after_;  // per place on the line: the next point lies on another object
+  BoundedVector<float> x_m_, y_m_, z_m_;     // side by side for vector instructions
+  BoundedVector<float> range_m_;
+  BoundedVector<float> roughness_m_;
+  BoundedVector<std::uint8_t> break_after_;  // the next point of the line lies on another object
   std::uint32_t line_begin_[kMaxLines + 1] = {};
 };
 

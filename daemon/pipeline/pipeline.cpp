@@ -2,6 +2,7 @@
 
 #include "core/map/cell_table.hpp"
 #include "core/map/voxel_map.hpp"
+#include "core/registration/neighbour_fit.hpp"
 
 namespace slamd::pipeline {
 
@@ -109,8 +110,8 @@ std::vector<MemoryItem> memory_plan(const Configuration& configuration) {
   const std::size_t job_bytes = sizeof(ScanJob) + scan.max_planar * sizeof(scan::FeaturePoint) +
                                 scan.max_edge * sizeof(scan::FeaturePoint) + scan.max_map_points * sizeof(Eigen::Vector3f) +
                                 2048 * sizeof(sensor::ImuSample);
-  // Per point of a scan: usable, shape, deskewed, candidate, order, range, roughness, break, two sampler slots.
-  constexpr std::size_t kScratchPerPoint = 1 + 1 + sizeof(Eigen::Vector3f) + 4 + 4 + 4 + 4 + 1 + 4 * 16;
+  // Per point of a scan: usable, shape, deskewed, candidate, order, place, range, roughness, break, two sampler slots.
+  constexpr std::size_t kScratchPerPoint = 1 + 1 + sizeof(Eigen::Vector3f) + 4 + 4 + sizeof(Eigen::Vector3f) + 4 + 4 + 1 + 4 * 16;
   return {
       {"packet blocks", blocks_of(configuration), sizeof(sensor::PointBlock)},
       {"scan jobs", Rings::kJobs, job_bytes},
@@ -121,6 +122,7 @@ std::vector<MemoryItem> memory_plan(const Configuration& configuration) {
       {"inertial samples kept", 3 * 2 * sensor::ImuBufferConfig{}.capacity, sizeof(sensor::ImuSample)},
       {"scans being assembled or waiting", 3 * scan.max_points, sizeof(sensor::Point)},
       {"preprocess scratch", scan.max_points, kScratchPerPoint},
+      {"neighbours of features", scan.max_planar + scan.max_edge, sizeof(registration::NeighbourFit)},
       {"map, fine cells", odometry.map.max_cells, sizeof(map::PointCell) + 32 + 2 * sizeof(std::uint32_t)},
       {"map, coarse cells", odometry.map.max_surface_cells + odometry.map.max_surface_cells / 6,
        sizeof(map::SurfaceCell) + 32 + 2 * sizeof(std::uint32_t)},

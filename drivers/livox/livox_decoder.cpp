@@ -94,6 +94,13 @@ struct LivoxDecoder::Layout {
 LivoxDecoder::LivoxDecoder(const LivoxConfig& config) : config_(config) {
   SLAMD_ASSERT(config.firings_per_second >= 1000 && config.lines > 0);
   SLAMD_ASSERT(config.min_range_m < config.max_range_m);
+  const std::uint64_t rate = config.firings_per_second;
+  for (std::size_t i = 0; i < offset_ns_.size(); ++i) {
+    offset_ns_[i] = static_cast<std::uint32_t>((i * kNanosecondsPerSecond + rate / 2) / rate);
+  }
+  for (std::size_t i = 0; i < line_.size(); ++i) {
+    line_[i] = static_cast<std::uint8_t>(i % config.lines);
+  }
 }
 
 DecodeResult LivoxDecoder::decode(std::span<const std::byte> payload,
@@ -154,15 +161,15 @@ void LivoxDecoder::decode_points(const Layout& layout,
                                  std::span<const std::byte> bytes,
                                  sensor::PointBlock& block) {
   block.stamp = Stamp{};
-  block.duration = Duration{offset_ns(layout.firings)};
+  block.duration = Duration{offset_ns_[layout.firings]};
   block.empty_firings = 0;
   block.points.clear();
   block.sequences.clear();
   for (std::size_t i = 0; i < layout.firings; ++i) {
     const auto firing = bytes.subspan(i * layout.firing_bytes, layout.firing_bytes);
     sensor::Point point;
-    point.offset_ns = offset_ns(i);
-    point.line = static_cast<std::uint8_t>(i % config_.lines);
+    point.offset_ns = offset_ns_[i];
+    point.line = line_[i];
     const bool any_return = layout.spherical ? decode_spherical(layout, firing, point, block)
                                              : decode_cartesian(layout, firing, point, block);
     block.empty_firings += any_return ? 0 : 1;
@@ -224,11 +231,6 @@ void LivoxDecoder::append(const std::array<double, 3>& p_lidar_m,
   if (!append_within({config_.min_range_m, config_.max_range_m}, p_lidar_m, point, block)) {
     ++counters_.out_of_range;
   }
-}
-
-std::uint32_t LivoxDecoder::offset_ns(std::size_t firing) const {
-  const std::uint64_t rate = config_.firings_per_second;
-  return static_cast<std::uint32_t>((firing * kNanosecondsPerSecond + rate / 2) / rate);
 }
 
 }  // namespace slamd::livox

@@ -70,9 +70,12 @@ class LivoxDecoder {
   void append(const std::array<double, 3>& p_lidar_m,
               sensor::Point point,
               sensor::PointBlock& block);
-  std::uint32_t offset_ns(std::size_t firing) const;
+
+  static constexpr std::size_t kMaxFirings = 100;  // of one packet
 
   LivoxConfig config_;
+  std::array<std::uint32_t, kMaxFirings + 1> offset_ns_{};  // by firing, from the packet's first; the last: the next packet's
+  std::array<std::uint8_t, kMaxFirings> line_{};            // by firing
   DataHeader last_header_;
   LivoxCounters counters_;
 };

@@ -22,27 +22,6 @@ std::array<double, 3> Direction::unit_vector() const {
           std::cos(zenith_rad)};
 }
 
-std::array<std::int32_t, 3> load_xyz_mm(std::span<const std::byte> bytes) {
-  return {load_le<std::int32_t>(bytes, 0),
-          load_le<std::int32_t>(bytes, 4),
-          load_le<std::int32_t>(bytes, 8)};
-}
-
-bool append_within(const RangeGate& gate,
-                   const std::array<double, 3>& p_lidar_m,
-                   sensor::Point point,
-                   sensor::PointBlock& block) {
-  const double range_m = std::hypot(p_lidar_m[0], p_lidar_m[1], p_lidar_m[2]);
-  if (range_m < gate.min_m || range_m > gate.max_m) {
-    return false;
-  }
-  point.x_m = static_cast<float>(p_lidar_m[0]);
-  point.y_m = static_cast<float>(p_lidar_m[1]);
-  point.z_m = static_cast<float>(p_lidar_m[2]);
-  block.points.push_back(point);
-  return true;
-}
-
 bool read_imu(std::span<const std::byte> bytes, ImuReading& reading) {
   bool finite = true;
   for (std::size_t axis = 0; axis < 3; ++axis) {

@@ -33,6 +33,9 @@ double turn_cdeg(std::uint16_t from_cdeg, std::uint16_t to_cdeg) {
   return std::fmod(to_cdeg - from_cdeg + kTurn_cdeg, kTurn_cdeg);
 }
 
+/// std::lround of a number that is 0, or 1 and more: there x + 0.5 rounds past no whole number.
+std::size_t rounded(double x) { return static_cast<std::size_t>(static_cast<std::int64_t>(x + 0.5)); }
+
 /// Far enough forward to be a sector left out; backward by a little is a tremble.
 bool is_sector(double turn) { return turn > kMaxGap_cdeg && turn < kTurn_cdeg - kMaxGap_cdeg; }
 
@@ -212,8 +215,8 @@ void Decoder::decode_sequence(std::span<const std::byte> payload,
     const Laser& laser = lasers[id];
     const std::size_t place =
         kBlockHeader + kReturnBytes * (static_cast<std::size_t>(firing * table.lasers) + id);
-    const auto alpha_cdeg = static_cast<std::size_t>(
-        std::lround(azimuth + gap * (begin_us + laser.time_us) / cycle_us - laser.azimuth_cdeg + kTurn_cdeg)) % 36000;
+    const auto alpha_cdeg =
+        rounded(azimuth + gap * (begin_us + laser.time_us) / cycle_us - laser.azimuth_cdeg + kTurn_cdeg) % 36000;
     const float cos_alpha = cosine_[alpha_cdeg];
     const float sin_alpha = cosine_[alpha_cdeg < 9000 ? alpha_cdeg + 27000 : alpha_cdeg - 9000];
     std::uint16_t earlier = 0;
@@ -231,7 +234,7 @@ void Decoder::decode_sequence(std::span<const std::byte> payload,
       point.x_m = flat_m * cos_alpha;
       point.y_m = -flat_m * sin_alpha;
       point.z_m = range_m * laser.sin_elevation + laser.vertical_offset_m;
-      point.offset_ns = static_cast<std::uint32_t>(std::lround(1e3 * (sequence_us + laser.time_us)));
+      point.offset_ns = static_cast<std::uint32_t>(rounded(1e3 * (sequence_us + laser.time_us)));
       point.intensity = load_le<std::uint8_t>(payload, at + 2);
       point.line = table.ring[id];
       point.echo = echo++;

@@ -145,9 +145,8 @@ ProductWriter::ProductWriter(const std::filesystem::path& directory, double map_
       scans_(open(directory / "scans.csv")),
       motions_(open(directory / "motions.csv")),
       map_(directory / "map.ply"),
-      sampler_(kMaxMapPoints) {
+      seen_(static_cast<float>(map_spacing_m)) {
   write_scan_header(scans_.get());
-  sampler_.reset(static_cast<float>(map_spacing_m), kMaxMapPoints);
 }
 
 void ProductWriter::add(const ScanRecord& record, const scan::DeskewedScan& scan, const odometry::MotionStep& motion) {
@@ -164,7 +163,7 @@ void ProductWriter::add(const ScanRecord& record, const scan::DeskewedScan& scan
   const Eigen::Vector3f t = result.T_odom_imu.translation().cast<float>();
   for (const Eigen::Vector3f& p_imu : scan.map_points_imu) {
     const Eigen::Vector3f p_map = R * p_imu + t;
-    if (map_.points() < kMaxMapPoints && sampler_.admit(p_map)) {
+    if (map_.points() < kMaxMapPoints && seen_.admit(p_map)) {
       map_.write(p_map);
       picture_points_.offer(p_map);
     }

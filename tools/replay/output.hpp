@@ -7,11 +7,12 @@
 #include <vector>
 
 #include "core/evaluation/trajectory.hpp"
-#include "core/scan/voxel_sampler.hpp"
+#include "core/scan/preprocessor.hpp"
 #include "drivers/storage/ply_writer.hpp"
 #include "tools/plot/even_sample.hpp"
 #include "tools/replay/motion_log.hpp"
 #include "tools/replay/replay.hpp"
+#include "tools/replay/seen_cubes.hpp"
 
 namespace slamd::replay {
 
@@ -41,7 +42,7 @@ class ProductWriter {
   std::unique_ptr<std::FILE, int (*)(std::FILE*)> motions_;
   MotionLog motion_log_;
   storage::PlyWriter map_;
-  scan::VoxelSampler sampler_;
+  SeenCubes seen_;
   plot::EvenSample picture_points_{kMaxPicturePoints};
 };
 

@@ -16,7 +16,7 @@ class Ekf : public Estimator {
 
  private:
   odometry::UpdateConfig config_;
-  BoundedVector<registration::Constraint> constraints_;
+  registration::Association association_;
 };
 
 /// The coarse-to-fine EKF: thirty Gauss–Newton iterations without a prior, the first half on cells
@@ -34,7 +34,7 @@ class CoarseToFineEkf : public Estimator {
  private:
   odometry::UpdateConfig config_;
   psf::PsfConfig psf_;
-  BoundedVector<registration::Constraint> constraints_;
+  registration::Association association_;
 };
 
 }  // namespace slamd::study

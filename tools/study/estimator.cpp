@@ -42,7 +42,7 @@ UpdateResult posterior_of(const Task& task,
                           const Vector6d& mean,
                           const Matrix6d& P_pose,
                           const odometry::UpdateConfig& config,
-                          BoundedVector<registration::Constraint>& scratch) {
+                          registration::Association& association) {
   UpdateResult result;
   const Matrix6d P_prior_pose = task.P_prior.topLeftCorner<6, 6>();
   const Eigen::Matrix<double, kErrorStates, 6> K =
@@ -52,10 +52,10 @@ UpdateResult posterior_of(const Task& task,
   result.P = task.P_prior + K * (P_pose - P_prior_pose) * K.transpose();
   result.P = (0.5 * (result.P + result.P.transpose())).eval();
 
-  registration::associate(
-      task.scan, task.map, result.state.T_odom_imu, config.association, scratch);
+  association.begin(task.scan);
+  registration::associate(task.scan, task.map, result.state.T_odom_imu, config.association, association);
   const registration::NormalEquations sum =
-      registration::linearize(scratch.view(), result.state.T_odom_imu, config.kernel_m);
+      registration::linearize(association.constraints.view(), result.state.T_odom_imu, config.kernel_m);
   odometry::note_fit(sum, task.scan, config, result);
   return result;
 }

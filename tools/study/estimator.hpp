@@ -45,7 +45,7 @@ odometry::UpdateResult posterior_of(const Task& task,
                                     const geometry::Vector6d& mean,
                                     const geometry::Matrix6d& P_pose,
                                     const odometry::UpdateConfig& config,
-                                    BoundedVector<registration::Constraint>& scratch);
+                                    registration::Association& association);
 
 /// Draws six values of variance 1.
 geometry::Vector6d drawn_normal(psf::Random& random);

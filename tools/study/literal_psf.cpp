@@ -32,7 +32,7 @@ LiteralPsf::LiteralPsf(const odometry::OdometryConfig& config, TimeSteps time_st
       time_steps_(time_steps),
       likelihood_(config.psf.points),
       swarm_(literal_swarm(config), kParticles),
-      constraints_(odometry::max_constraints(config.preprocess)) {}
+      association_(config.preprocess) {}
 
 odometry::UpdateResult LiteralPsf::update(const Task& task) {
   psf::Random random(task.seed, task.scan.index);
@@ -92,9 +92,9 @@ Vector6d LiteralPsf::ekf_draw(const Task& task,
                               psf::Random& random) {
   const Se3 T_odom_imu = geometry::boxplus(task.prior.T_odom_imu, xi);
   registration::associate_surfaces(
-      task.points_imu, task.map, 0, kEkfGate_m, T_odom_imu, constraints_);
+      task.points_imu, task.map, 0, kEkfGate_m, T_odom_imu, association_.constraints);
   const registration::NormalEquations sum =
-      registration::linearize(constraints_.view(), T_odom_imu, kEkfKernel_m);
+      registration::linearize(association_.constraints.view(), T_odom_imu, kEkfKernel_m);
   const auto std_m = static_cast<double>(config_.association.planar_std_m);
   const double weight = config_.information_share / (std_m * std_m);
   const Eigen::LLT<Matrix6d> information(weight * sum.H + P_prior_inverse);
@@ -111,7 +111,7 @@ odometry::UpdateResult LiteralPsf::estimate(const Task& task) {
   }
   const Moments moments =
       moments_of(suggested_, weights_of(log_likelihoods, independent_points(task, config_)));
-  return posterior_of(task, moments.mean, moments.P, config_, constraints_);
+  return posterior_of(task, moments.mean, moments.P, config_, association_);
 }
 
 float LiteralPsf::log_likelihood(const Task& task, const Vector6d& xi) const {

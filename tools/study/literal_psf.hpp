@@ -45,7 +45,7 @@ class LiteralPsf : public Estimator {
   psf::ScanLikelihood likelihood_;
   psf::Swarm swarm_;
   std::vector<geometry::Vector6d> suggested_;
-  BoundedVector<registration::Constraint> constraints_;
+  registration::Association association_;
 };
 
 }  // namespace slamd::study

@@ -13,7 +13,7 @@ PlainParticleFilter::PlainParticleFilter(const odometry::OdometryConfig& config)
     : config_(config.update),
       psf_(config.psf),
       likelihood_(config.psf.points),
-      constraints_(odometry::max_constraints(config.preprocess)) {}
+      association_(config.preprocess) {}
 
 odometry::UpdateResult PlainParticleFilter::update(const Task& task) {
   psf::Random random(task.seed, task.scan.index);
@@ -22,7 +22,7 @@ odometry::UpdateResult PlainParticleFilter::update(const Task& task) {
   resample(importance_weights(task), random);
   const std::vector<double> equal(particles_.size(), 1.0);
   const Moments moments = moments_of(particles_, equal);
-  return posterior_of(task, moments.mean, moments.P, config_, constraints_);
+  return posterior_of(task, moments.mean, moments.P, config_, association_);
 }
 
 void PlainParticleFilter::sample_prior(const Task& task, psf::Random& random) {

@@ -28,7 +28,7 @@ class PlainParticleFilter : public Estimator {
   psf::PsfConfig psf_;
   psf::ScanLikelihood likelihood_;
   std::vector<geometry::Vector6d> particles_;
-  BoundedVector<registration::Constraint> constraints_;
+  registration::Association association_;
 };
 
 }  // namespace slamd::study

@@ -44,11 +44,13 @@ TEST(VoxelMap, NearestAgreesWithBruteForce) {
         }
       }
       std::sort(expected.begin(), expected.end());
+      const float sixth = expected.size() > Neighbours::kMax ? expected[Neighbours::kMax] : 1.0F;
       expected.resize(std::min<std::size_t>(expected.size(), Neighbours::kMax));
 
       const Neighbours found = sut.nearest(query, 1.0F);
 
       ASSERT_EQ(found.count, expected.size());
+      ASSERT_NEAR(found.others_beyond_sq_m2, sixth, 1e-5F);
       for (std::size_t i = 0; i < found.count; ++i) {
         ASSERT_NEAR(found.distance_sq_m2[i], expected[i], 1e-5F);
         ASSERT_NEAR((found.points_odom[i] - query).squaredNorm(), found.distance_sq_m2[i], 1e-5F);
