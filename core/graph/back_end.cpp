@@ -41,6 +41,8 @@ BackEnd::BackEnd(const BackEndConfig& config)
       optimiser_(PoseGraph::equations_capacity(config.capacity, config.factor_entries)),
       gnc_(config.capacity, config.gnc),
       pending_(config.pending_loops),
+      before_(config.capacity),
+      judged_(config.capacity),
       was_active_(config.capacity.loops),
       vertices_(config.pending_loops + kRecentLoops),
       supporting_(config.pending_loops + kRecentLoops),
@@ -197,16 +199,14 @@ void BackEnd::solve_warm(Update& update) {
     const OptimiserResult result = optimiser_.run(graph_, config_.limits);
     update.iterations += result.iterations;
     update.end = result.end;
-    if (result.end == OptimiserEnd::kFactorTooLarge || gnc_.judge(graph_, false) == 0) {
+    if (result.end == OptimiserEnd::kFactorTooLarge || gnc_.judge_fixes(graph_) == 0) {
       break;
     }
   }
 }
 
-void BackEnd::solve_full(Update& update) {
-  was_active_.resize(graph_.loops());
+void BackEnd::judge_all_loops() {
   for (std::size_t k = 0; k < graph_.loops(); ++k) {
-    was_active_[k] = graph_.loop(k).enabled;
     graph_.set_loop_enabled(k, true);
   }
   if (!optimiser_.prepare(graph_)) {
@@ -215,16 +215,30 @@ void BackEnd::solve_full(Update& update) {
       graph_.set_loop_enabled(k, was_active_[k]);
     }
   }
-  const GncResult result = gnc_.run(graph_, optimiser_, config_.limits);
-  update.kind = UpdateKind::kFull;
-  update.iterations += result.iterations;
-  update.end = result.end;
+}
+
+void BackEnd::solve_full(Update& update) {
+  was_active_.resize(graph_.loops());
   for (std::size_t k = 0; k < graph_.loops(); ++k) {
-    const bool active = graph_.loop(k).enabled && graph_.loop(k).weight > 0.0;
+    was_active_[k] = graph_.loop(k).enabled;
+  }
+  judge_all_loops();
+  const GncResult anew = gnc_.run(graph_, optimiser_, config_.limits);
+  graph_.save(judged_);
+  graph_.put_back(before_);
+  judge_all_loops();
+  const GncResult from_before = gnc_.settle(graph_, optimiser_, config_.limits);
+  if (anew.cost < from_before.cost) {
+    graph_.put_back(judged_);
+  }
+  update.kind = UpdateKind::kFull;
+  update.iterations += anew.iterations + from_before.iterations;
+  update.end = anew.cost < from_before.cost ? anew.end : from_before.end;
+  for (std::size_t k = 0; k < graph_.loops(); ++k) {
+    const bool active = graph_.loop(k).enabled;
     if (active != was_active_[k]) {
       tell(graph_.loop(k).id, active ? LoopVerdict::kTakenBack : LoopVerdict::kTakenOut);
     }
-    graph_.set_loop_enabled(k, active);
   }
 }
 
@@ -264,6 +278,7 @@ Update BackEnd::update() {
   }
   const bool aligned = graph_.alignment().has_value();
   if (entered > 0 || (enough_fixes && aligned)) {
+    graph_.save(before_);
     solve_warm(update);
     if (update.end == OptimiserEnd::kFactorTooLarge) {
       take_back_what_does_not_fit(entered);

@@ -26,7 +26,7 @@ struct BackEndConfig {
   std::size_t pending_loops = 128;
   std::size_t pending_keyframes = 200;             // a loop that nothing has supported for so long is given up
   double cycle_chi_squared = kChiSquared9999Of6;   // a cycle above it is a contradiction
-  double supporting_std_m = 2.0;                   // a cycle less certain than this supports nothing
+  double supporting_std_m = 0.5;                   // a cycle less certain, which would let 3 m pass, supports nothing
   std::size_t supporters = 1;                      // that a loop needs in its clique, unless it is strong
 
   GncConfig gnc;
@@ -78,7 +78,8 @@ struct Update {
 ///
 /// Loops wait until others support them, in one clique of consistent ones with the last that were accepted. What enters is
 /// first believed: the graph is solved from where it stands (warm). If a loop, new or old, then disagrees, all are judged anew
-/// by graduated non-convexity (full), those it has taken out before included; odometry, gravity and priors are never doubted.
+/// by graduated non-convexity (full), those it has taken out before included, and the result is held against what the graph
+/// said before the new ones came: the lower truncated sum stays. Odometry, gravity and priors are never doubted.
 /// Frames: map is odom's frame at the first keyframe, until corrections move odom in it.
 /// At the limits: a keyframe or a proposal that does not fit is refused by the result; a loop that does not fit into graph or
 /// factorisation is reported as kNoRoom, and loops taken out make room for new ones. retire() makes room for keyframes.
@@ -133,6 +134,7 @@ class BackEnd {
   bool loops_agree() const;
   void solve_warm(Update& update);
   void solve_full(Update& update);
+  void judge_all_loops();
   void take_back_what_does_not_fit(std::size_t entered);
 
   BackEndConfig config_;
@@ -147,6 +149,8 @@ class BackEnd {
   std::optional<KeyframeId> new_fixes_from_;  // the first keyframe with a fix that no update has seen
 
   // scratch, sized once
+  GraphState before_;  // the new loops came
+  GraphState judged_;  // by graduated non-convexity
   BoundedVector<std::uint8_t> was_active_;
   BoundedVector<ChainLoop> vertices_;    // pending ones, then the last accepted ones
   BoundedVector<VertexSet> supporting_;  // of each vertex

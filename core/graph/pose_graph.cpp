@@ -155,6 +155,36 @@ void PoseGraph::unroll_odometry() {
   }
 }
 
+void PoseGraph::save(GraphState& state) const {
+  state.poses_.resize(nodes_.size());
+  state.fix_weights_.resize(nodes_.size());
+  for (std::size_t i = 0; i < nodes_.size(); ++i) {
+    state.poses_[i] = nodes_[i].T_map_base;
+    state.fix_weights_[i] = nodes_[i].fix_weight;
+  }
+  state.loop_weights_.resize(loops_.size());
+  state.loops_enabled_.resize(loops_.size());
+  for (std::size_t k = 0; k < loops_.size(); ++k) {
+    state.loop_weights_[k] = loops_[k].weight;
+    state.loops_enabled_[k] = loops_[k].enabled;
+  }
+  state.alignment_ = alignment_;
+}
+
+void PoseGraph::put_back(const GraphState& state) {
+  SLAMD_ASSERT(state.poses_.size() == nodes_.size() && state.loop_weights_.size() == loops_.size());
+  for (std::size_t i = 0; i < nodes_.size(); ++i) {
+    nodes_[i].T_map_base = state.poses_[i];
+    nodes_[i].fix_weight = state.fix_weights_[i];
+  }
+  for (std::size_t k = 0; k < loops_.size(); ++k) {
+    loops_[k].weight = state.loop_weights_[k];
+    set_loop_enabled(k, state.loops_enabled_[k] != 0);
+  }
+  structure_version_ += alignment_.has_value() == state.alignment_.has_value() ? 0 : 1;
+  alignment_ = state.alignment_;
+}
+
 void PoseGraph::declare(NormalEquations& equations) const {
   equations.clear_structure();
   for (std::size_t i = 0; i < nodes_.size(); ++i) {

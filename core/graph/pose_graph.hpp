@@ -43,6 +43,22 @@ struct Loop {
   bool enabled = true;   // part of the equations' structure; one that is not costs nothing
 };
 
+/// What an estimate consists of: poses, alignment, and which loops and fixes it believes.
+class GraphState {
+ public:
+  explicit GraphState(const PoseGraphCapacity& capacity)
+      : poses_(capacity.keyframes), fix_weights_(capacity.keyframes), loop_weights_(capacity.loops), loops_enabled_(capacity.loops) {}
+
+ private:
+  friend class PoseGraph;
+
+  BoundedVector<geometry::Se3> poses_;
+  BoundedVector<double> fix_weights_;
+  BoundedVector<double> loop_weights_;
+  BoundedVector<std::uint8_t> loops_enabled_;
+  std::optional<GnssAlignment> alignment_;
+};
+
 /// Poses of keyframes in map, and what is known of them. The sum it has the least of is
 /// ½ Σ w rᵀ Ω r over odometry, gravity, priors (w = 1), loops and fixes (w as graduated non-convexity has set it).
 /// Memory: sized once, by the capacity; what does not fit is refused by the call's result.
@@ -105,6 +121,10 @@ class PoseGraph {
 
   /// Lays the poses out anew from the first one along the odometry.
   void unroll_odometry();
+
+  /// Copies the estimate out, and back in while keyframes and loops are still the same.
+  void save(GraphState& state) const;
+  void put_back(const GraphState& state);
 
   /// Counts the changes of what is tied to what.
   std::uint64_t structure_version() const { return structure_version_; }

@@ -21,6 +21,7 @@ constexpr double kRevisit_m = 4.0;          // a true loop joins keyframes so ne
 constexpr double kRevisit_rad = 0.8;        // headed so alike or so opposite,
 constexpr std::size_t kRevisitSteps = 50;   // and so far apart on the way
 constexpr double kFalseReach_m = 3.0;       // a false loop claims to be so near
+constexpr double kAlias_m = 15.0;           // places that look alike are so near each other
 const Eigen::Vector3d kLever(-0.15, 0.0, 0.45);
 
 class Source {
@@ -107,13 +108,12 @@ std::vector<Se3> drive(const SyntheticConfig& config, Source& source) {
 }
 
 void measure_odometry(const SyntheticConfig& config, Source& source, SyntheticGraph& out) {
-  const Matrix6d covariance = diagonal(config.errors.step_m, config.errors.step_rad);
+  Matrix6d covariance = diagonal(config.errors.step_m, config.errors.step_tilt_rad);
+  covariance(5, 5) = config.errors.step_yaw_rad * config.errors.step_yaw_rad;
   out.T_odom_base.push_back(out.T_world_base.front());
   out.motion_covariance.push_back(covariance);
   for (std::size_t i = 1; i < out.T_world_base.size(); ++i) {
-    Vector6d error = source.normal(covariance);
-    error[5] += config.errors.yaw_drift_rad;
-    const Se3 step = boxplus(out.T_world_base[i - 1].inverse() * out.T_world_base[i], error);
+    const Se3 step = boxplus(out.T_world_base[i - 1].inverse() * out.T_world_base[i], source.normal(covariance));
     out.T_odom_base.push_back(out.T_odom_base.back() * step);
     out.motion_covariance.push_back(covariance);
   }
@@ -180,23 +180,44 @@ std::vector<SyntheticLoop> true_loops(const SyntheticConfig& config, Source& sou
   return out;
 }
 
-/// False loops join places that are far apart. In a run, several in a row make the same mistake.
+/// Draws two keyframes far enough apart on the way, and near each other in the world if so asked.
+std::pair<std::size_t, std::size_t> draw_pair(const SyntheticGraph& drive, Source& source, bool near) {
+  constexpr std::size_t kTail = 10;  // room for a run
+  const std::size_t n = drive.T_world_base.size();
+  for (;;) {
+    const std::size_t a = source.below(n - kRevisitSteps - kTail);
+    const std::size_t b = a + kRevisitSteps + source.below(n - a - kRevisitSteps - kTail);
+    const double apart_m = (drive.T_world_base[a].translation() - drive.T_world_base[b].translation()).norm();
+    if (near == (apart_m < kAlias_m)) {
+      return {a, b};
+    }
+  }
+}
+
+/// What a false loop claims: of places that look alike the truth but for a shift, of others anything near.
+Se3 false_claim(const Se3& T_a_b, Source& source, bool near) {
+  if (near) {
+    const double direction = 2.0 * M_PI * source.uniform();
+    const double shift = 3.0 + 5.0 * source.uniform();
+    return {T_a_b.rotation(), T_a_b.translation() + shift * Eigen::Vector3d(std::cos(direction), std::sin(direction), 0.0)};
+  }
+  const double yaw = (2.0 * source.uniform() - 1.0) * M_PI;
+  const double x = source.normal(kFalseReach_m);
+  const double y = source.normal(kFalseReach_m);
+  return {geometry::rotation_from_rpy({0.0, 0.0, yaw}), Eigen::Vector3d(x, y, source.normal(0.2))};
+}
+
+/// In a run, several in a row make the same mistake.
 void add_false_loops(const SyntheticConfig& config, Source& source, SyntheticGraph& out) {
   const auto wanted = static_cast<std::size_t>(config.false_share / (1.0 - config.false_share) *
                                                static_cast<double>(out.loops.size()));
   const Matrix6d covariance = diagonal(config.errors.loop_m, config.errors.loop_rad);
-  const std::size_t n = out.T_world_base.size();
   for (std::size_t made = 0; made < wanted;) {
     const bool run = source.uniform() < config.false_runs;
+    const bool near = source.uniform() < config.false_near;
     const std::size_t length = run ? std::min<std::size_t>(3 + source.below(3), wanted - made) : 1;
-    const std::size_t a = source.below(n - kRevisitSteps - 10);
-    const std::size_t b = a + kRevisitSteps + source.below(n - a - kRevisitSteps - 10);
-    const Se3 claimed(geometry::rotation_from_rpy({0.0, 0.0, (2.0 * source.uniform() - 1.0) * M_PI}),
-                      {source.normal(kFalseReach_m), source.normal(kFalseReach_m), source.normal(0.2)});
-    const Se3 T_a_b = out.T_world_base[a].inverse() * out.T_world_base[b];
-    if ((claimed.translation() - T_a_b.translation()).norm() < 5.0) {
-      continue;  // not false enough to be called so
-    }
+    const auto [a, b] = draw_pair(out, source, near);
+    const Se3 claimed = false_claim(out.T_world_base[a].inverse() * out.T_world_base[b], source, near);
     for (std::size_t k = 0; k < length; ++k) {
       graph::LoopCandidate candidate;
       candidate.a = static_cast<graph::KeyframeId>(a + k);

@@ -18,9 +18,9 @@ enum class Course : std::uint8_t {
 
 /// What is wrong with the measurements. Units: 1σ, of one keyframe's step or of one loop.
 struct Errors {
-  double step_m = 0.01;          // of 1 m: what our odometry does over a metre
-  double step_rad = 0.0005;
-  double yaw_drift_rad = 0.0;    // a bias of yaw a step that the covariance does not know
+  double step_m = 0.01;           // over 1 m
+  double step_tilt_rad = 0.0002;  // gravity holds roll and pitch
+  double step_yaw_rad = 0.0005;
   double loop_m = 0.05;
   double loop_rad = 0.005;
   double gravity_rad = 0.005;
@@ -33,7 +33,8 @@ struct SyntheticConfig {
   std::size_t keyframes = 1'000;
   std::size_t loops = 300;            // true ones, at most: as many as there are revisits
   double false_share = 0.0;           // of all loops
-  double false_runs = 0.0;            // of the false ones, come in runs that agree with each other: an aliased place
+  double false_runs = 0.0;            // of the false ones, come in runs of 3 to 5 that agree with each other
+  double false_near = 0.0;            // of the false ones, join places within 15 m that look alike, 3 to 8 m off: racks, pillars
   bool gnss = false;
   double gnss_outage_s = 0.0;         // without a fix, at 1 m/s, at the middle of the way
   double gnss_jump_m = 0.0;           // of the fixes in three stretches of 30 s

@@ -71,7 +71,8 @@ TEST(OptimiserAgainstCeres, HasTheSameOptimumOnASphere) {
   config.course = Course::kSphere;
   config.keyframes = 600;
   config.loops = 400;
-  config.errors.step_rad = 0.01;
+  config.errors.step_yaw_rad = 0.01;
+  config.errors.step_tilt_rad = 0.01;
 
   agrees_with_ceres(config);
 }
