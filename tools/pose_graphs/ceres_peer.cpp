@@ -2,7 +2,6 @@
 
 #include <array>
 #include <cmath>
-#include <ctime>
 #include <vector>
 
 #include <Eigen/Eigenvalues>
@@ -11,6 +10,8 @@
 #include <ceres/problem.h>
 #include <ceres/rotation.h>
 #include <ceres/solver.h>
+
+#include "tools/pose_graphs/cpu_time.hpp"
 
 namespace slamd::pose_graphs {
 
@@ -139,12 +140,6 @@ struct Fix {
   }
 };
 
-double cpu_now_s() {
-  std::timespec now{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
-
 /// The variables as Ceres moves them.
 struct Variables {
   std::vector<Position> p;
@@ -218,10 +213,10 @@ std::optional<CeresResult> solve_with_ceres(graph::PoseGraph& graph, int max_ite
   options.num_threads = 1;
   options.logging_type = ceres::SILENT;
   ceres::Solver::Summary summary;
-  const double begin = cpu_now_s();
+  const double begin = cpu_s();
   ceres::Solve(options, &problem, &summary);
   const CeresResult result{summary.num_successful_steps + summary.num_unsuccessful_steps, summary.final_cost,
-                           cpu_now_s() - begin};
+                           cpu_s() - begin};
   for (std::size_t i = 0; i < graph.size(); ++i) {
     const auto& [w, qx, qy, qz] = x.q[i];
     graph.set_pose(i, Se3(Eigen::Quaterniond(w, qx, qy, qz), Eigen::Vector3d(x.p[i].data())));
