@@ -13,7 +13,7 @@ namespace slamd::bench {
 struct GraphBenchConfig {
   std::vector<std::size_t> keyframes = {1'000, 5'000, 10'000};
   std::uint64_t seed = 201;
-  int drives = 10;  // of each kind of campaign, of successive seeds; 0: speed only
+  int drives = 9;  // of each kind of campaign, of successive seeds; 0: speed only
 };
 
 /// The cost at one size: of the solver, of the dearest updates of a drive, and of all loops and fixes judged at once.

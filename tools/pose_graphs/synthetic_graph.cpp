@@ -22,6 +22,8 @@ constexpr double kRevisit_rad = 0.8;        // headed so alike or so opposite,
 constexpr std::size_t kRevisitSteps = 50;   // and so far apart on the way
 constexpr double kFalseReach_m = 3.0;       // a false loop claims to be so near
 constexpr double kAlias_m = 15.0;           // places that look alike are so near each other
+constexpr double kFar_m = 8.0;              // places that do not are farther apart; the smallest sphere has such
+constexpr double kWrong_m = 5.0;            // a false loop is off by more than this, between places that look alike by 3 m
 const Eigen::Vector3d kLever(-0.15, 0.0, 0.45);
 
 class Source {
@@ -188,7 +190,7 @@ std::pair<std::size_t, std::size_t> draw_pair(const SyntheticGraph& drive, Sourc
     const std::size_t a = source.below(n - kRevisitSteps - kTail);
     const std::size_t b = a + kRevisitSteps + source.below(n - a - kRevisitSteps - kTail);
     const double apart_m = (drive.T_world_base[a].translation() - drive.T_world_base[b].translation()).norm();
-    if (near == (apart_m < kAlias_m)) {
+    if (near ? apart_m < kAlias_m : apart_m > kFar_m) {
       return {a, b};
     }
   }
@@ -201,10 +203,15 @@ Se3 false_claim(const Se3& T_a_b, Source& source, bool near) {
     const double shift = 3.0 + 5.0 * source.uniform();
     return {T_a_b.rotation(), T_a_b.translation() + shift * Eigen::Vector3d(std::cos(direction), std::sin(direction), 0.0)};
   }
-  const double yaw = (2.0 * source.uniform() - 1.0) * M_PI;
-  const double x = source.normal(kFalseReach_m);
-  const double y = source.normal(kFalseReach_m);
-  return {geometry::rotation_from_rpy({0.0, 0.0, yaw}), Eigen::Vector3d(x, y, source.normal(0.2))};
+  for (;;) {
+    const double yaw = (2.0 * source.uniform() - 1.0) * M_PI;
+    const double x = source.normal(kFalseReach_m);
+    const double y = source.normal(kFalseReach_m);
+    const Eigen::Vector3d p(x, y, source.normal(0.2));
+    if ((p - T_a_b.translation()).norm() > kWrong_m) {
+      return {geometry::rotation_from_rpy({0.0, 0.0, yaw}), p};
+    }
+  }
 }
 
 /// In a run, several in a row make the same mistake.

@@ -13,7 +13,7 @@ using geometry::Matrix6d;
 using geometry::Se3;
 using geometry::Vector6d;
 
-constexpr std::size_t kKeyframes = 60;
+constexpr std::size_t kRoundKeyframes = 60;
 
 Matrix6d step_covariance() {
   Vector6d d;
@@ -38,14 +38,14 @@ Vector6d drawn(Draw& draw, const Matrix6d& covariance) {
 /// A round of 30 m driven twice, so that keyframe k + 30 stands where k stood.
 struct Round {
   std::vector<Se3> T_world_base;
-  OdometryChain chain{kKeyframes};
+  OdometryChain chain{kRoundKeyframes};
 
   explicit Round(Draw& draw) {
     const Se3 step(geometry::so3_exp({0.0, 0.0, 2.0 * M_PI / 30.0}), Eigen::Vector3d(1.0, 0.0, 0.0));
     Se3 T_odom_base;
     T_world_base.emplace_back();
     chain.push_back(T_odom_base, Matrix6d::Zero());
-    for (std::size_t i = 1; i < kKeyframes; ++i) {
+    for (std::size_t i = 1; i < kRoundKeyframes; ++i) {
       T_world_base.push_back(T_world_base.back() * step);
       T_odom_base = T_odom_base * boxplus(step, drawn(draw, step_covariance()));
       chain.push_back(T_odom_base, step_covariance());
