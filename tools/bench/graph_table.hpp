@@ -11,7 +11,7 @@ namespace slamd::bench {
 
 /// What `slamd-bench graph` measures.
 struct GraphBenchConfig {
-  std::vector<std::size_t> keyframes = {1'000, 5'000, 10'000};
+  std::vector<std::size_t> keyframes = {1'000, 5'000};
   std::uint64_t seed = 201;
   int drives = 9;  // of each kind of campaign, of successive seeds; 0: speed only
 };
