@@ -99,3 +99,17 @@ else()
     lz4 INCLUDES ${PCL_INCLUDE} ${FLANN_INCLUDE} TRIPWIRES pcl/kdtree/kdtree_flann.h)
   slamd_third_party(nanoflann INCLUDES ${NANOFLANN_INCLUDE} TRIPWIRES nanoflann.hpp)
 endif()
+
+# Optional: what the factor graph's optimum is held against in tests and in slamd-bench. Nothing that is shipped links it.
+# Ceres's own CMake package asks for all that it was built with; its headers need glog's alone.
+find_path(CERES_INCLUDE ceres/ceres.h)
+find_path(GLOG_INCLUDE glog/logging.h)
+find_library(CERES_LIBRARY ceres)
+find_library(GLOG_LIBRARY glog)
+set(ceres_parts ${CERES_INCLUDE} ${GLOG_INCLUDE} ${CERES_LIBRARY} ${GLOG_LIBRARY})
+if(ceres_parts MATCHES "NOTFOUND" OR CMAKE_CROSSCOMPILING)
+  message(STATUS "Ceres: not found (libceres-dev); the factor graph is compared with nothing")
+else()
+  slamd_third_party(ceres LIBRARIES ${CERES_LIBRARY} ${GLOG_LIBRARY} INCLUDES ${CERES_INCLUDE} ${GLOG_INCLUDE}
+    TRIPWIRES ceres/ceres.h ceres/rotation.h)
+endif()

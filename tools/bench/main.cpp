@@ -7,6 +7,7 @@
 #include <CLI/CLI.hpp>
 
 #include "tools/bench/campaign_page.hpp"
+#include "tools/bench/graph_table.hpp"
 #include "tools/bench/neighbour_peers.hpp"
 #include "tools/bench/neighbour_speed.hpp"
 #include "tools/bench/own_network.hpp"
@@ -28,6 +29,7 @@ struct Options {
   std::uint64_t seed = 1;
   bench::PoseLatencyConfig pose;
   study::StudyConfig study;
+  bench::GraphBenchConfig graph;
   std::string experiment = "both";
   std::string prior = "both";
   bool json = false;
@@ -144,6 +146,16 @@ int run_psf_study(Options& options) {
   return 0;
 }
 
+int run_graph(const Options& options) {
+  bench::GraphTable table;
+  {
+    cli::Progress progress("graph");
+    table = bench::measure_graph(options.graph, [&](double share) { progress.show(share); });
+  }
+  std::fputs((options.json ? bench::json_of(table) : bench::text_of(table)).c_str(), stdout);
+  return 0;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -151,6 +163,7 @@ int main(int argc, char** argv) {
   CLI::App* campaign = nullptr;
   CLI::App* pose = nullptr;
   CLI::App* neighbours = nullptr;
+  CLI::App* graph = nullptr;
   CLI::App* psf_study = nullptr;
   return cli::run_program(
       argc, argv, "slamd-bench", "Measures slamd.",
@@ -178,6 +191,16 @@ int main(int argc, char** argv) {
         neighbours->add_option("--scans", options.scans, "To take the median over")
             ->check(CLI::Range(1, 500))
             ->capture_default_str();
+        graph = app.add_subcommand(
+            "graph", "The factor graph on synthetic drives: CPU time beside Ceres, and what becomes of true and false loops");
+        graph->add_option("--keyframes", options.graph.keyframes, "One or more sizes to time")
+            ->check(CLI::Range(300, 10'000))
+            ->capture_default_str();
+        graph->add_option("--seed", options.graph.seed, "Of the first drive")->capture_default_str();
+        graph->add_option("--drives", options.graph.drives, "Of each campaign; 0: time only")
+            ->check(CLI::Range(0, 1'000))
+            ->capture_default_str();
+        graph->add_flag("--json", options.json, "Print JSON");
         psf_study = app.add_subcommand(
             "psf-study", "The particle swarm filter beside EKFs, a plain particle filter and its literal form: wrong priors, bursts, a bad inertial sensor");
         psf_study->add_option("--out", options.out, "Directory for psf-study.md, .json and the charts")->required();
@@ -210,6 +233,9 @@ int main(int argc, char** argv) {
         }
         if (pose->parsed()) {
           return run_pose_latency(options);
+        }
+        if (graph->parsed()) {
+          return run_graph(options);
         }
         if (psf_study->parsed()) {
           return run_psf_study(options);
