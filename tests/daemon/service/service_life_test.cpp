@@ -19,7 +19,7 @@ namespace {
 using std::chrono::milliseconds;
 using std::chrono::seconds;
 
-configuration::Configuration configuration_of(const std::string& more) {
+configuration::Configuration small_daemon(const std::string& more) {
   configuration::Loader loader;
   loader.add_text(R"(
 [[lidar]]
@@ -48,12 +48,12 @@ class ServiceLife : public testing::Test {
       if (freopen("/dev/null", "r", stdin) == nullptr) {  // no terminal: SIGHUP is for us
         _exit(3);
       }
-      _exit(serve(configuration_of(""), [] {
+      _exit(serve(small_daemon(""), [] {
         if (std::filesystem::exists("/proc/self/cwd/slamd_test_broken_" +
                                     std::to_string(getpid()))) {
-          return configuration_of("[realtime]\npriority = 1000\n");
+          return small_daemon("[realtime]\npriority = 1000\n");
         }
-        return configuration_of("[log]\nrepeat_period_ms = 1.0\n[odometry]\nseed = 2\n");
+        return small_daemon("[log]\nrepeat_period_ms = 1.0\n[odometry]\nseed = 2\n");
       }));
     }
     unsetenv("NOTIFY_SOCKET");
