@@ -20,6 +20,12 @@ namespace slamd::configuration::keys {
 /// Rounds away what a change of units leaves in the last digits, so that what is printed reads back to itself.
 inline double rounded(double value) { return std::round(1e9 * value) / 1e9 + 0.0; }
 
+/// Marks a key that the daemon takes over while it runs.
+inline Key live(Key key) {
+  key.is_live = true;
+  return key;
+}
+
 /// Stores into, and reads from, any of the types that configuration structs use.
 template <typename T>
 double to_number(const T& field) {

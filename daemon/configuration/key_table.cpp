@@ -140,14 +140,14 @@ void add_odometry_keys(std::vector<Key>& keys) {
   keys.push_back(number("map.max_cells", 1000, 1e6, "Fine cells of 1 m; the oldest are recycled.", SLAMD_FIELD(odometry.map.max_cells)));
   keys.push_back(number("map.max_surface_cells", 1000, 4e6, "Coarse cells; the oldest are recycled.", SLAMD_FIELD(odometry.map.max_surface_cells)));
   keys.push_back(number("output.map_spacing_m", 0.02, 5.0, "Points of map.ply: one in a cube of this side.", SLAMD_FIELD(output.map_spacing_m)));
-  keys.push_back(text("output.save_directory", "Live: where the command save writes, a folder each time; empty: it is refused.", SLAMD_FIELD(output.save_directory)));
-  keys.push_back(boolean("realtime.fifo", "Live: threads under SCHED_FIFO where it is permitted.", SLAMD_FIELD(realtime.fifo)));
-  keys.push_back(number("realtime.priority", 1, 90, "Live: SCHED_FIFO priority of the odometry; the threads before it lie up to three higher.", SLAMD_FIELD(realtime.priority)));
+  keys.push_back(live(text("output.save_directory", "Live: where the command save writes, a folder each time; empty: it is refused.", SLAMD_FIELD(output.save_directory))));
+  keys.push_back(live(boolean("realtime.fifo", "Live: threads under SCHED_FIFO where it is permitted.", SLAMD_FIELD(realtime.fifo))));
+  keys.push_back(live(number("realtime.priority", 1, 90, "Live: SCHED_FIFO priority of the odometry; the threads before it lie up to three higher.", SLAMD_FIELD(realtime.priority))));
   keys.push_back(boolean("realtime.lock_memory", "Live: keep all memory in RAM where it is permitted.", SLAMD_FIELD(realtime.lock_memory)));
   keys.push_back(text("lcm.url", "Where the messages go. ttl=0: not beyond this computer.", SLAMD_FIELD(lcm.url)));
   keys.push_back(name("lcm.prefix", "Of the channels' names; two daemons on one network need two.", SLAMD_FIELD(lcm.prefix)));
   keys.push_back(number("lcm.scan_points", 0, 100000, "Points of a scan that are sent; 0: no scans.", SLAMD_FIELD(lcm.scan_points)));
-  keys.push_back(number("log.repeat_period_ms", 0.0, 3'600'000.0, "Live: messages of one cause are written once, and their number after this time; 0: all are written.", SLAMD_FIELD(log.repeat_period)));
+  keys.push_back(live(number("log.repeat_period_ms", 0.0, 3'600'000.0, "Live: messages of one cause are written once, and their number after this time; 0: all are written.", SLAMD_FIELD(log.repeat_period))));
 }
 
 #undef SLAMD_FIELD
@@ -300,6 +300,12 @@ std::vector<std::string> names_below(const std::string& table) {
     }
   }
   return names;
+}
+
+std::string print_value(const Key& key, const Configuration& configuration) {
+  const Value value = key.get(configuration);
+  const auto* numbers = std::get_if<std::vector<double>>(&value);
+  return key.optional && numbers != nullptr && numbers->empty() ? "unset" : print_value(key, value);
 }
 
 std::string print_configuration(const Configuration& configuration) {

@@ -25,6 +25,7 @@ struct Key {
   std::function<void(Configuration&, const Value&)> set;
   std::function<Value(const Configuration&)> get;
   bool optional = false;  // left out of print-outs while unset: get gives an empty vector
+  bool is_live = false;   // the daemon takes it over on SIGHUP; the others wait for a restart
 
   /// Says in words what may stand there.
   std::string allowed() const;
@@ -41,6 +42,9 @@ std::string nearest_path(const std::string& path);
 
 /// Returns the keys and tables right below a table ("lidar.T_base_lidar": xyz_m, rpy_deg); none when no key lies below.
 std::vector<std::string> names_below(const std::string& table);
+
+/// Prints what a configuration says of a key, as TOML; "unset" where it says nothing.
+std::string print_value(const Key& key, const Configuration& configuration);
 
 /// Prints the complete configuration as TOML that reads back to the same configuration.
 std::string print_configuration(const Configuration& configuration);

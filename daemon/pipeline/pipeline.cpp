@@ -51,21 +51,24 @@ Pipeline::Pipeline(const Configuration& configuration, const transport::HostCloc
 Pipeline::~Pipeline() { stop(); }
 
 template <typename Loop>
-std::unique_ptr<threads::RealTimeThread> Pipeline::thread(const char* name, threads::Scheduling scheduling, Loop& loop) {
-  return std::make_unique<threads::RealTimeThread>(name, scheduling, [this, &loop] {
+std::unique_ptr<threads::RealTimeThread> Pipeline::thread(const char* name, threads::Scheduling scheduling, bool may_block, Loop& loop) {
+  heartbeats_.push_back(std::make_unique<threads::Heartbeat>(name, may_block));
+  return std::make_unique<threads::RealTimeThread>(name, scheduling, [this, &loop, &heartbeat = *heartbeats_.back()] {
     while (!stopping_.load(std::memory_order_relaxed)) {
       loop.run_once(kLongestSleep);
+      heartbeat.rounds.add();
     }
   });
 }
 
 template <typename Loop>
 void Pipeline::run(const char* name, int priority, Loop& loop) {
-  threads_.push_back(thread(name, {configuration_.realtime.fifo, configuration_.realtime.priority + priority}, loop));
+  threads_.push_back(thread(name, {configuration_.realtime.fifo, configuration_.realtime.priority + priority}, false, loop));
 }
 
 void Pipeline::start() {
   stopping_ = false;
+  heartbeats_.clear();
   publisher_.publish(bus::MapToOdom{});  // LCM allocates its locks with its first message: before the threads start
   // What is nearest to the sensors goes first: a packet that is not fetched is lost, a scan can wait.
   run("slamd-odometry", 0, odometry_);
@@ -73,10 +76,10 @@ void Pipeline::start() {
   run("slamd-publish", 2, publish_);
   run("slamd-receive", 3, receive_);
   if (serial_) {
-    serial_thread_ = thread("slamd-serial", {}, *serial_);
+    serial_thread_ = thread("slamd-serial", {}, true, *serial_);
   }
   if (gnss_) {
-    gnss_thread_ = thread("slamd-gnss", {}, *gnss_);
+    gnss_thread_ = thread("slamd-gnss", {}, true, *gnss_);
   }
 }
 
@@ -85,6 +88,13 @@ void Pipeline::stop() {
   threads_.clear();
   serial_thread_.reset();
   gnss_thread_.reset();
+}
+
+void Pipeline::schedule(const configuration::RealtimeConfiguration& realtime) {
+  configuration_.realtime = realtime;
+  for (std::size_t i = 0; i < threads_.size(); ++i) {  // in the order of start(): each one higher than the last
+    threads_[i]->schedule({realtime.fifo, realtime.priority + static_cast<int>(i)});
+  }
 }
 
 stages::NamedCounts Pipeline::wheels() const {

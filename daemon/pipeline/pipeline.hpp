@@ -14,6 +14,7 @@
 #include "daemon/pipeline/receive_loop.hpp"
 #include "daemon/pipeline/rings.hpp"
 #include "daemon/pipeline/serial_loop.hpp"
+#include "daemon/threads/heartbeat.hpp"
 #include "daemon/threads/real_time_thread.hpp"
 
 namespace slamd::pipeline {
@@ -45,6 +46,12 @@ class Pipeline {
 
   /// Whether every thread runs under SCHED_FIFO, as configured.
   bool is_fifo() const;
+
+  /// Runs the threads so from now on. Housekeeping only.
+  void schedule(const configuration::RealtimeConfiguration& realtime);
+
+  /// The threads' signs of life, from start() on.
+  const std::vector<std::unique_ptr<threads::Heartbeat>>& heartbeats() const { return heartbeats_; }
 
   const ReceiveLoop& receive() const { return receive_; }
   const PreprocessLoop& preprocess() const { return preprocess_; }
@@ -131,7 +138,7 @@ class Pipeline {
 
  private:
   template <typename Loop>
-  std::unique_ptr<threads::RealTimeThread> thread(const char* name, threads::Scheduling scheduling, Loop& loop);
+  std::unique_ptr<threads::RealTimeThread> thread(const char* name, threads::Scheduling scheduling, bool may_block, Loop& loop);
   template <typename Loop>
   void run(const char* name, int priority, Loop& loop);
 
@@ -146,6 +153,7 @@ class Pipeline {
   std::unique_ptr<SerialLoop> serial_;  // where the inertial sensor has a serial port
   std::unique_ptr<GnssLoop> gnss_;      // where the receiver has one
   std::atomic<bool> stopping_{false};  // written by stop(), read by all threads
+  std::vector<std::unique_ptr<threads::Heartbeat>> heartbeats_;  // one a thread
   // Last: they end before what they work on.
   std::vector<std::unique_ptr<threads::RealTimeThread>> threads_;
   std::unique_ptr<threads::RealTimeThread> serial_thread_;

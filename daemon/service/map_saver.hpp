@@ -24,6 +24,9 @@ class MapSaver {
 
   MapSaver(std::filesystem::path directory, pipeline::Pipeline& pipeline) : directory_(std::move(directory)), pipeline_(pipeline) {}
 
+  /// From the next save on.
+  void set_directory(std::filesystem::path directory) { directory_ = std::move(directory); }
+
   bool is_busy() const { return job_ != nullptr; }
 
   /// Begins to save as `name`. Returns what is against it, in words; empty: nothing, and run_once() will tell the end.

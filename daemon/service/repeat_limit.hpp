@@ -45,6 +45,7 @@ class RepeatLimit {
     }
   }
 
+  void set_period(Duration period) { period_ = period; }
   Duration period() const { return period_; }
 
  private:

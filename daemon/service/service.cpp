@@ -1,5 +1,7 @@
 #include "daemon/service/service.hpp"
 
+#include <algorithm>
+#include <cctype>
 #include <cerrno>
 #include <cmath>
 #include <cstdio>
@@ -12,8 +14,6 @@
 #include <poll.h>
 #include <sched.h>
 #include <signal.h>
-#include <spdlog/sinks/stdout_sinks.h>
-#include <spdlog/spdlog.h>
 #include <sys/mman.h>
 #include <sys/signalfd.h>
 #include <unistd.h>
@@ -23,7 +23,11 @@
 #include "daemon/devices/livox_device.hpp"
 #include "daemon/pipeline/health_monitor.hpp"
 #include "daemon/pipeline/pipeline.hpp"
+#include "daemon/service/life_watch.hpp"
+#include "daemon/service/log.hpp"
 #include "daemon/service/map_saver.hpp"
+#include "daemon/service/notifier.hpp"
+#include "daemon/service/reload.hpp"
 #include "daemon/service/repeat_limit.hpp"
 
 namespace slamd::service {
@@ -35,7 +39,14 @@ namespace {
 constexpr Duration kHealthPeriod = std::chrono::milliseconds(500);
 constexpr int kHousekeepingPeriod_ms = 100;
 
-/// SIGTERM and SIGINT as something to poll, blocked in all threads that are made afterwards.
+/// At most so often the manager is told what there is to see, and at least so often.
+constexpr Duration kStatusPeriod = std::chrono::seconds(1);
+constexpr Duration kStatusAgain = std::chrono::seconds(10);
+/// A map is written by housekeeping, and a disk may keep it waiting for so long.
+constexpr Duration kSavePatience = std::chrono::seconds(60);
+
+/// SIGTERM, SIGINT and SIGHUP as something to poll, blocked in all threads that are made afterwards. At a terminal SIGHUP
+/// ends the program, as everywhere: whoever started it has gone.
 class Signals {
  public:
   Signals() {
@@ -43,6 +54,9 @@ class Signals {
     sigemptyset(&set);
     sigaddset(&set, SIGTERM);
     sigaddset(&set, SIGINT);
+    if (isatty(STDIN_FILENO) == 0) {
+      sigaddset(&set, SIGHUP);
+    }
     pthread_sigmask(SIG_BLOCK, &set, nullptr);
     fd_ = signalfd(-1, &set, SFD_NONBLOCK | SFD_CLOEXEC);
     signal(SIGPIPE, SIG_IGN);
@@ -63,12 +77,39 @@ class Signals {
   int fd_ = -1;
 };
 
-void log_counts(const char* what, const stages::NamedCounts& counts) {
+void log_counts(Log& log, const char* what, const stages::NamedCounts& counts) {
   std::string text;
   for (const auto& [name, count] : counts) {
     text += (text.empty() ? "" : ", ") + name + " " + std::to_string(count);
   }
-  spdlog::info("{}: {}", what, text);
+  log.info(std::string(what) + ": " + text);
+}
+
+/// The same words, whatever numbers they carry.
+std::string without_numbers(std::string words) {
+  words.erase(std::remove_if(words.begin(), words.end(), [](unsigned char c) { return std::isdigit(c) != 0; }), words.end());
+  return words;
+}
+
+/// What systemctl status shows: "DEGRADED: imu: silent for 1.2 s".
+std::string status_of(const bus::Health& health) {
+  std::string words = bus::name_of(health.state);
+  const char* separator = ": ";
+  for (const auto& cause : health.causes) {
+    words += separator + std::string(cause.view());
+    separator = "; ";
+  }
+  return words;
+}
+
+/// What an event is about, for the journal.
+Fields fields_of(const char* thread, const threads::EventRecord& record) {
+  Fields fields{{"SLAMD_THREAD", thread}};
+  if (record.event == threads::Event::kStateChanged) {
+    fields.emplace_back("SLAMD_STATE", odometry::name_of(static_cast<odometry::State>(record.value / 256)));
+    fields.emplace_back("SLAMD_CAUSE", odometry::name_of(static_cast<odometry::Cause>(record.value % 256)));
+  }
+  return fields;
 }
 
 std::unique_ptr<devices::LivoxDevice> device_of(const Configuration& configuration) {
@@ -78,9 +119,13 @@ std::unique_ptr<devices::LivoxDevice> device_of(const Configuration& configurati
 /// What housekeeping does while the threads run.
 class Housekeeping {
  public:
-  Housekeeping(const Configuration& configuration, const transport::HostClock& clock, pipeline::Pipeline& pipeline)
-      : clock_(clock),
+  Housekeeping(const Configuration& configuration, const transport::HostClock& clock, pipeline::Pipeline& pipeline, Log& log, Notifier& notifier)
+      : configuration_(configuration),
+        clock_(clock),
         pipeline_(pipeline),
+        log_(log),
+        notifier_(notifier),
+        watchdog_(notifier.patience()),
         health_(configuration, clock.now()),
         device_(device_of(configuration)),
         commands_(configuration.lcm.url, configuration.lcm.prefix),
@@ -97,7 +142,7 @@ class Housekeeping {
   void run_once() {
     const Stamp now = clock_.now();
     pipeline_.read_events([&](const char* thread, const threads::EventRecord& record) {
-      say(pipeline::cause_of(record), std::string(thread) + ": " + pipeline::sentence(record), now);
+      say(pipeline::cause_of(record), std::string(thread) + ": " + pipeline::sentence(record), now, fields_of(thread, record));
     });
     pipeline_.attend_can([&](const std::string& interface, const char* words) {
       say(interface + words, interface + ": " + words, now);
@@ -116,16 +161,60 @@ class Housekeeping {
     }
     if (const auto reply = saver_.run_once()) {
       send(*reply);
+      notifier_.set_patience(watchdog_);
     }
     tell_repeated(now, false);
     if (now - last_health_ >= kHealthPeriod) {
       last_health_ = now;
-      pipeline_.publisher().publish(health_.read(pipeline_, now, device_ ? device_->cause() : std::string()));
+      tell_health(now);
     }
   }
 
-  /// Writes what was held back, at the end.
-  void finish() { tell_repeated(clock_.now(), true); }
+  /// Feeds the manager's watchdog while everything goes on, and says what does not.
+  void watch() {
+    const Stamp now = clock_.now();
+    std::vector<Pulse> pulses;
+    for (const auto& heartbeat : pipeline_.heartbeats()) {
+      pulses.push_back({heartbeat->name, heartbeat->may_block, heartbeat->rounds.value()});
+    }
+    const pipeline::PublishCounts poses = pipeline_.publish().counts();
+    const std::uint64_t inputs = configuration_.imu.enabled ? pipeline_.receive().counts().imu.received : pipeline_.odometry().counts().scans;
+    life_.look(pulses, {inputs, poses.poses, poses.poses > 0 && poses.epoch == pipeline_.epoch()}, now);
+    if (life_.fault() != fault_) {
+      tell_fault(now);
+    }
+    if (life_.lives() && watchdog_ != Duration::zero() && now - last_fed_ >= watchdog_ / 4) {
+      last_fed_ = now;
+      notifier_.feed();
+    }
+  }
+
+  /// Takes over what may change of a configuration that was read again, and says what may not.
+  void reload(const std::function<Configuration()>& read_again) {
+    notifier_.reloading();
+    try {
+      const Reload reload = take_over(configuration_, read_again());
+      limit_.set_period(configuration_.log.repeat_period);
+      saver_.set_directory(configuration_.output.save_directory);
+      pipeline_.schedule(configuration_.realtime);
+      waits_ = reload.refused.empty() ? "" : "configuration: waits for a restart: " + reload.refused.front();
+      log_.write(reload.refused.empty() ? Level::kInfo : Level::kWarning, in_words(reload));
+      if (configuration_.realtime.fifo && !pipeline_.is_fifo()) {
+        log_.warn("SCHED_FIFO with priority " + std::to_string(configuration_.realtime.priority) + " is not permitted: the threads run as before");
+      }
+    } catch (const configuration::ConfigurationError& error) {
+      waits_ = std::string("configuration refused: ") + error.what();
+      log_.write(Level::kError, std::string("configuration refused, nothing has changed: ") + error.what());
+    }
+    status_ = {};
+    notifier_.ready();
+  }
+
+  /// Writes what is left to say, after the threads have ended.
+  void finish() {
+    run_once();
+    tell_repeated(clock_.now(), true);
+  }
 
   /// Lets the LiDAR go.
   void release_device() {
@@ -135,16 +224,42 @@ class Housekeeping {
   }
 
  private:
+  void tell_health(Stamp now) {
+    bus::Health health = health_.read(pipeline_, now, device_ ? device_->cause() : std::string());
+    if (!waits_.empty()) {
+      health.causes.try_push_back(bus::Text<79>(std::string_view(waits_)));
+    }
+    pipeline_.publisher().publish(health);
+    const std::string words = status_of(health);
+    const bool news = without_numbers(words) != without_numbers(status_);
+    if (now - last_status_ >= (news ? kStatusPeriod : kStatusAgain)) {
+      last_status_ = now;
+      status_ = words;
+      notifier_.status(words);
+    }
+  }
+
+  void tell_fault(Stamp now) {
+    fault_ = life_.fault();
+    const bool ends = watchdog_ != Duration::zero() && !fault_.empty();
+    const std::string words = fault_.empty() ? "everything goes on again" : fault_ + (ends ? ": the service manager will restart slamd" : "");
+    log_.write(fault_.empty() ? Level::kWarning : Level::kError, words, {{"SLAMD_FAULT", fault_}});
+    notifier_.status(words);
+    last_status_ = now;
+    status_.clear();
+  }
+
   /// Writes a message, but repetitions of its cause only by their number.
-  void say(const std::string& cause, const std::string& message, Stamp now) {
+  void say(const std::string& cause, const std::string& message, Stamp now, const Fields& fields = {}) {
     if (limit_.admit(cause, message, now)) {
-      spdlog::info("{}", message);
+      log_.write(Level::kInfo, message, fields);
     }
   }
 
   void tell_repeated(Stamp now, bool all) {
     limit_.tell(now, all, [&](const std::string& message, std::uint64_t more) {
-      spdlog::info("{} ({} more in the last {:.0f} s)", message, more, to_seconds(limit_.period()));
+      const auto period_s = std::to_string(std::lround(to_seconds(limit_.period())));
+      log_.write(Level::kInfo, message + " (" + std::to_string(more) + " more in the last " + period_s + " s)", {{"SLAMD_REPEATED", std::to_string(more)}});
     });
   }
 
@@ -168,8 +283,15 @@ class Housekeeping {
       return bus::Reply{command.id, true, new_map()};
     }
     if (command.verb == "save") {
+      notifier_.set_patience(std::max(watchdog_, kSavePatience));
       const std::string fault = saver_.begin(command.id, command.arguments[0], T_map_odom());
-      return fault.empty() ? std::nullopt : std::optional(bus::Reply{command.id, false, "save: " + fault});
+      if (fault.empty()) {
+        return std::nullopt;
+      }
+      if (!saver_.is_busy()) {
+        notifier_.set_patience(watchdog_);
+      }
+      return bus::Reply{command.id, false, "save: " + fault};
     }
     // Said rather than pretended: it needs a part that this release does not have.
     return bus::Reply{command.id, false, command.verb + ": this release has no black box yet (see CHANGELOG)"};
@@ -206,8 +328,18 @@ class Housekeeping {
     return "map placed, correction " + std::to_string(placement_.correction_id);
   }
 
+  Configuration configuration_;  // as in effect: reload() changes it
   transport::HostClock clock_;
   pipeline::Pipeline& pipeline_;
+  Log& log_;
+  Notifier& notifier_;
+  Duration watchdog_;  // the manager's patience; zero: for ever
+  LifeWatch life_;
+  std::string fault_;   // as said last
+  std::string waits_;   // what the last reload has left undone, for health
+  std::string status_;  // as told last
+  Stamp last_status_{};
+  Stamp last_fed_{};
   pipeline::HealthMonitor health_;
   std::unique_ptr<devices::LivoxDevice> device_;  // nullptr: somebody else has it send here
   bus::CommandListener commands_;
@@ -217,9 +349,9 @@ class Housekeeping {
   Stamp last_health_{};
 };
 
-void lock_memory(const Configuration& configuration) {
+void lock_memory(const Configuration& configuration, Log& log) {
   if (configuration.realtime.lock_memory && mlockall(MCL_CURRENT | MCL_FUTURE) != 0) {
-    spdlog::warn("memory cannot be locked ({}): page faults may delay poses; LimitMEMLOCK=infinity cures it", std::strerror(errno));
+    log.warn(std::string("memory cannot be locked (") + std::strerror(errno) + "): page faults may delay poses; LimitMEMLOCK=infinity cures it");
   }
 }
 
@@ -236,26 +368,26 @@ bool may_use_fifo(int priority) {
 
 }  // namespace
 
-int serve(const Configuration& configuration) {
-  spdlog::set_default_logger(std::make_shared<spdlog::logger>("slamd", std::make_shared<spdlog::sinks::stderr_sink_mt>()));
-  spdlog::set_pattern("%L %v");  // journald has the time
-  spdlog::flush_on(spdlog::level::info);
+int serve(const Configuration& configuration, const std::function<Configuration()>& read_again) {
+  Log log;
+  Notifier notifier;
   Signals signals;
   const transport::HostClock clock;
   pipeline::Pipeline pipeline(configuration, clock);
-  Housekeeping housekeeping(configuration, clock, pipeline);
+  Housekeeping housekeeping(configuration, clock, pipeline, log, notifier);
   if (const std::string remark = pipeline.receive().buffer_remark(); !remark.empty()) {
-    spdlog::warn("{}", remark);
+    log.warn(remark);
   }
-  lock_memory(configuration);
+  lock_memory(configuration, log);
   pipeline.start();
   if (configuration.realtime.fifo && !pipeline.is_fifo()) {
-    spdlog::warn("SCHED_FIFO is not permitted: other programs may delay poses; LimitRTPRIO=90 cures it");
+    log.warn("SCHED_FIFO is not permitted: other programs may delay poses; LimitRTPRIO=93 cures it");
   }
   if (const std::string& source = configuration.gnss.source; !source.empty() && pipeline.gnss_counts().empty()) {
-    spdlog::info("gnss.source = \"{}\": a file is for slamd-replay; slamd takes serial or velodyne", source);
+    log.info("gnss.source = \"" + source + "\": a file is for slamd-replay; slamd takes serial or velodyne");
   }
-  spdlog::info("listening for {}, telling {} as {}", name_of(configuration.lidar.model), configuration.lcm.url, configuration.lcm.prefix);
+  log.info(std::string("listening for ") + name_of(configuration.lidar.model) + ", telling " + configuration.lcm.url + " as " + configuration.lcm.prefix);
+  notifier.ready();
 
   std::vector<pollfd> fds{{signals.fd(), POLLIN, 0}};
   for (const int fd : housekeeping.fds()) {
@@ -265,26 +397,31 @@ int serve(const Configuration& configuration) {
   while (signal == 0) {
     poll(fds.data(), fds.size(), kHousekeepingPeriod_ms);
     housekeeping.run_once();
+    housekeeping.watch();
     signal = signals.read();
+    if (signal == SIGHUP) {
+      housekeeping.reload(read_again);
+      signal = 0;
+    }
   }
-  spdlog::info("ending on {}", signal == SIGINT ? "SIGINT" : "SIGTERM");
+  log.info(std::string("ending on ") + (signal == SIGINT ? "SIGINT" : "SIGTERM"));
+  notifier.stopping();
   housekeeping.release_device();
   pipeline.stop();
-  housekeeping.run_once();
   housekeeping.finish();
-  log_counts("packets", pipeline.receive().packets());
-  const auto log_if_any = [](const char* what, const stages::NamedCounts& counts) {
+  log_counts(log, "packets", pipeline.receive().packets());
+  const auto log_if_any = [&](const char* what, const stages::NamedCounts& counts) {
     if (!counts.empty()) {
-      log_counts(what, counts);
+      log_counts(log, what, counts);
     }
   };
   log_if_any("inertial", pipeline.receive().inertial());
   log_if_any("gnss", pipeline.gnss_counts());
   log_if_any("wheels", pipeline.wheels());
   log_if_any("can", pipeline.receive().can_frames());
-  log_counts("blocks", stages::named_counts(pipeline.preprocess().assembler_counts()));
+  log_counts(log, "blocks", stages::named_counts(pipeline.preprocess().assembler_counts()));
   for (const std::string& remark : pipeline.receive().remarks()) {
-    spdlog::info("{}", remark);
+    log.info(remark);
   }
   return 0;
 }
@@ -311,7 +448,7 @@ int check(const Configuration& configuration) {
     std::printf("bus        ttl=0: only programs on this computer will hear slamd\n");
   }
   if (configuration.realtime.fifo && !may_use_fifo(configuration.realtime.priority)) {
-    std::printf("realtime   SCHED_FIFO is not permitted to this user (LimitRTPRIO=90 cures it)\n");
+    std::printf("realtime   SCHED_FIFO is not permitted to this user (LimitRTPRIO=93 cures it)\n");
   }
   std::printf("ready\n");
   return 0;

@@ -34,13 +34,18 @@ RealTimeThread::RealTimeThread(const std::string& name, Scheduling scheduling, s
   }
   pthread_setname_np(thread_, name.substr(0, 15).c_str());
   if (scheduling.fifo) {
-    sched_param parameters{};
-    parameters.sched_priority = scheduling.priority;
-    fifo_ = pthread_setschedparam(thread_, SCHED_FIFO, &parameters) == 0;
+    schedule(scheduling);
   }
 }
 
 RealTimeThread::~RealTimeThread() { pthread_join(thread_, nullptr); }
+
+void RealTimeThread::schedule(Scheduling scheduling) {
+  sched_param parameters{};
+  parameters.sched_priority = scheduling.fifo ? scheduling.priority : 0;
+  const bool done = pthread_setschedparam(thread_, scheduling.fifo ? SCHED_FIFO : SCHED_OTHER, &parameters) == 0;
+  fifo_ = done ? scheduling.fifo : fifo_;  // refused: it stays as it is
+}
 
 void* RealTimeThread::run(void* self) {
 #if !SLAMD_SANITIZED

@@ -32,6 +32,9 @@ class RealTimeThread {
   RealTimeThread& operator=(const RealTimeThread&) = delete;
 
   bool is_fifo() const { return fifo_; }
+
+  /// Changes how it is scheduled; is_fifo() tells whether SCHED_FIFO was permitted. Who made the thread only.
+  void schedule(Scheduling scheduling);
   pthread_t handle() const { return thread_; }
 
  private:

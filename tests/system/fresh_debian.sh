@@ -2,6 +2,7 @@
 # Proves that a clone and nothing else is enough: in a fresh Debian 12 the demo runs and the tests pass.
 set -uo pipefail
 cd "$(dirname "$0")/../.." || exit 1
+. tests/system/debian.bash
 
 usage() {
   cat <<'END'
@@ -47,26 +48,10 @@ cache=${SLAMD_CACHE:-${HOME:-/root}/.cache/slamd}
 logs=$PWD/build/check
 mkdir -p "$cache" "$logs"
 
-# make_tarball FILE: a minimal Debian 12 with this machine's apt sources, proxy and certificates.
-make_tarball() {
-  local file arguments=() sources=()
-  for file in /etc/apt/apt.conf /etc/apt/apt.conf.d/*; do
-    if [ -f "$file" ] && grep -q 'Acquire::' "$file"; then arguments+=(--aptopt="$file"); fi
-  done
-  for file in /etc/apt/sources.list /etc/apt/sources.list.d/*.list /etc/apt/sources.list.d/*.sources; do
-    if [ -f "$file" ] && grep -q '^[^#]*bookworm' "$file" && grep -q debian "$file"; then sources+=("$file"); fi
-  done
-  # The image has what every clone needs beforehand: git.
-  mmdebstrap --mode=root --variant=minbase --include=git,ca-certificates "${arguments[@]}" \
-    --customize-hook='mkdir -p "$1/usr/local/share/ca-certificates"' \
-    --customize-hook='cp -r /usr/local/share/ca-certificates/. "$1/usr/local/share/ca-certificates/" || true' \
-    --customize-hook='chroot "$1" update-ca-certificates' \
-    bookworm "$1" "${sources[@]}"
-}
-
 tarball=$cache/fresh-debian-12.tar
 if [ ! -e "$tarball" ]; then
-  if ! make_tarball "$tarball.new.tar" >"$logs/fresh_mmdebstrap.log" 2>&1; then
+  # The image has what every clone needs beforehand: git.
+  if ! debian_tarball "$tarball.new.tar" git,ca-certificates >"$logs/fresh_mmdebstrap.log" 2>&1; then
     rm -f "$tarball.new.tar"
     skip "no Debian 12: $(tail -n 1 "$logs/fresh_mmdebstrap.log") (see $logs/fresh_mmdebstrap.log)"
   fi
@@ -78,11 +63,7 @@ clean_up() {
   if [ "$keep" = yes ]; then echo "kept: $root"; else rm -rf --one-file-system "$root"; fi
 }
 trap clean_up EXIT
-# Device nodes come from this machine's /dev.
-tar --extract --file "$tarball" --directory "$root" --exclude './dev/*' || { fail "the tree unpacks"; exit 1; }
-for file in /etc/resolv.conf /etc/hosts; do
-  if [ -e "$file" ]; then cp --dereference "$file" "$root$file"; fi
-done
+debian_tree "$tarball" "$root" || { fail "the tree unpacks"; exit 1; }
 if git clone --quiet --no-local . "$root/root/slamd" && [ "$(git -C "$root/root/slamd" rev-parse HEAD)" = "$(git rev-parse HEAD)" ]; then
   pass "cloned $(git rev-parse --short HEAD)"
 else
@@ -90,21 +71,7 @@ else
   exit 1
 fi
 
-# inside COMMAND...: runs it in the clone. Its mounts and its processes end with it, whatever happens.
-inside() {
-  unshare --mount --pid --fork --kill-child --propagation private bash -c '
-    set -e
-    root=$1
-    shift
-    # The root is a mount of its own, or "ip netns exec" could not change it.
-    mount --bind "$root" "$root"
-    mount -t proc proc "$root/proc"
-    mount -t sysfs sysfs "$root/sys"
-    mount --rbind /dev "$root/dev"
-    exec chroot "$root" /usr/bin/env -i HOME=/root PATH=/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin \
-      http_proxy="${http_proxy:-}" https_proxy="${https_proxy:-}" \
-      bash -c "cd /root/slamd && exec \"\$@\"" bash "$@"' bash "$root" "$@" </dev/null
-}
+inside() { in_debian "$root" /root/slamd "$@"; }
 
 if inside bash -c 'command -v g++ || command -v cmake' >/dev/null; then
   fail "the tree is fresh (it has a compiler already)"

@@ -17,6 +17,7 @@ struct Options {
   std::vector<std::string> files;
   std::vector<std::string> overrides;
   bool check = false;
+  bool validate = false;
   bool print_config = false;
   bool memory_plan = false;
 };
@@ -25,13 +26,15 @@ void declare(CLI::App& app, Options& options) {
   app.add_option("--config", options.files, "TOML file; later ones win key by key")->type_name("FILE");
   app.add_option("--set", options.overrides, "key=value; wins over all files")->type_name("KEY=VALUE");
   app.add_flag("--check", options.check, "Tell whether slamd could start here, and what it would lack; exit 0, 1 or 2");
+  app.add_flag("--validate", options.validate, "Only read the configuration: exit 0, or 2 and what is wrong with it");
   app.add_flag("--print-config", options.print_config, "Print the complete configuration and exit");
   app.add_flag("--memory-plan", options.memory_plan, "Print what is reserved at start and exit");
   app.footer("Exit code: 0 ended by a signal; 1 could not start; 2 bad configuration or usage.\n"
-             "All keys: docs/configuration.md. Messages: docs/protocol.md.");
+             "SIGTERM and SIGINT end it; SIGHUP has it read its configuration again.\n"
+             "All keys: slamd.toml(5), docs/configuration.md. Messages: docs/protocol.md.");
 }
 
-int run(const Options& options) {
+configuration::Configuration read(const Options& options) {
   configuration::Loader loader;
   if (options.files.empty() && options.overrides.empty()) {
     throw cli::UsageError("no configuration: --config FILE (or --set lidar.model=vlp16)");
@@ -42,7 +45,14 @@ int run(const Options& options) {
   for (const std::string& key_value : options.overrides) {
     loader.add_override(key_value);
   }
-  const configuration::Configuration configuration = loader.load();
+  return loader.load();
+}
+
+int run(const Options& options) {
+  const configuration::Configuration configuration = read(options);
+  if (options.validate) {
+    return 0;
+  }
   if (options.print_config) {
     std::fputs(configuration::print_configuration(configuration).c_str(), stdout);
     return 0;
@@ -51,7 +61,7 @@ int run(const Options& options) {
     std::fputs(service::memory_plan_text(configuration).c_str(), stdout);
     return 0;
   }
-  return options.check ? service::check(configuration) : service::serve(configuration);
+  return options.check ? service::check(configuration) : service::serve(configuration, [&] { return read(options); });
 }
 
 }  // namespace
