@@ -27,11 +27,11 @@ finds_nothing "core/ reads no clock and no environment" \
   '(steady_clock|system_clock|high_resolution_clock|clock_gettime|gettimeofday|getenv)' core
 finds_nothing "core/ writes no log" '(spdlog::|std::c(out|err|log)\b|\bprintf\()' core
 
-# The command that compiles core/geometry/so3.cpp, for other sources than that one.
-object=core/geometry/CMakeFiles/slamd_core_geometry.dir/so3.cpp.o
-command=$(ninja -C "$build" -t commands "$object" 2>/dev/null | tail -n 1)
+# A command that compiles a source of core/geometry (or six at a time), for other sources than that one.
+object=$(ninja -C "$build" -t targets all 2>/dev/null | grep -m1 -oE '^core/geometry/CMakeFiles/slamd_core_geometry\.dir/[^:]+\.o')
+command=$(ninja -C "$build" -t commands "${object:-none}" 2>/dev/null | tail -n 1)
 if [ -z "$command" ]; then
-  fail "no compile command for $object in $build"
+  fail "no compile command for core/geometry in $build"
   exit 1
 fi
 scratch=$(mktemp -d)
