@@ -47,18 +47,19 @@ void NeighbourFit::look_up(const map::VoxelMap& map, const Eigen::Vector3f& p_od
   }
 }
 
-/// Tells whether the neighbours are the nearest to p_odom, too, in the same order, and renews their distances if so.
+/// Tells whether the neighbours are the nearest to p_odom, too, in the same order, and renews their distances if so. Nothing is
+/// near to what is no number.
 bool NeighbourFit::are_still_nearest(const Eigen::Vector3f& p_odom) {
   const float others_beyond_m = others_beyond_m_ - (p_odom - looked_up_at_odom_).norm() - kRounding_m;
   std::array<float, Neighbours::kMax> distance_sq_m2;
   for (std::size_t i = 0; i < Neighbours::kMax; ++i) {
     const Eigen::Vector3f d = neighbours_.points_odom[i] - p_odom;
     distance_sq_m2[i] = (d.x() * d.x() + d.y() * d.y()) + d.z() * d.z();
-    if (i > 0 && distance_sq_m2[i] <= distance_sq_m2[i - 1]) {
+    if (i > 0 && !(distance_sq_m2[i] > distance_sq_m2[i - 1])) {
       return false;
     }
   }
-  if (others_beyond_m <= 0.0F || distance_sq_m2.back() >= others_beyond_m * others_beyond_m) {
+  if (!(others_beyond_m > 0.0F && distance_sq_m2.back() < others_beyond_m * others_beyond_m)) {
     return false;
   }
   neighbours_.distance_sq_m2 = distance_sq_m2;
