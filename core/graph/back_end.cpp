@@ -92,12 +92,27 @@ Proposal BackEnd::propose(const LoopCandidate& candidate, LoopId& id) {
   if (pending_.full()) {
     return Proposal::kPendingFull;
   }
+  if (!graph_.holds(candidate.a) || !graph_.holds(candidate.b)) {
+    return Proposal::kNoKeyframe;
+  }
+  if (is_known(candidate.a, candidate.b)) {
+    return Proposal::kKnownPair;
+  }
   const CycleError error = odometry_cycle(chain_, in_chain(candidate.a, candidate.b, candidate.motion));
-  if (error.chi_squared > config_.cycle_chi_squared) {
+  if (!(error.chi_squared >= 0.0 && error.chi_squared <= config_.cycle_chi_squared)) {  // nor if its covariance is none
     return Proposal::kContradictsOdometry;
   }
   pending_.push_back({id, candidate});
   return Proposal::kPending;
+}
+
+bool BackEnd::is_known(KeyframeId a, KeyframeId b) const {
+  for (std::size_t k = 0; k < graph_.loops(); ++k) {
+    if (graph_.loop(k).enabled && graph_.loop(k).a == a && graph_.loop(k).b == b) {
+      return true;
+    }
+  }
+  return std::any_of(pending_.begin(), pending_.end(), [&](const Pending& p) { return p.candidate.a == a && p.candidate.b == b; });
 }
 
 Se3 BackEnd::T_map_odom() const {
@@ -186,7 +201,7 @@ void BackEnd::give_up_the_old() {
 
 bool BackEnd::loops_agree() const {
   for (std::size_t k = 0; k < graph_.loops(); ++k) {
-    if (graph_.loop(k).enabled && graph_.loop_chi_squared(k) > config_.gnc.loop_chi_squared) {
+    if (graph_.loop(k).enabled && !(graph_.loop_chi_squared(k) <= config_.gnc.loop_chi_squared)) {
       return false;
     }
   }

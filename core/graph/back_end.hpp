@@ -57,6 +57,8 @@ enum class Proposal : std::uint8_t {
   kPending,              // waits for another loop to support it
   kContradictsOdometry,  // farther from the odometry than its covariance allows
   kPendingFull,          // as many loops wait as may
+  kKnownPair,            // a loop of these two keyframes waits already, or is in the graph: it would support itself
+  kNoKeyframe,           // one of them was retired
 };
 
 /// How an update came to its poses.
@@ -121,6 +123,7 @@ class BackEnd {
     LoopCandidate candidate;
   };
 
+  bool is_known(KeyframeId a, KeyframeId b) const;
   ChainLoop in_chain(KeyframeId a, KeyframeId b, const Motion& motion) const;
   Motion moved(const Motion& motion, KeyframeId& a, KeyframeId& b, std::size_t retired) const;
   void tell(LoopId id, LoopVerdict verdict) { events_.try_push_back({id, verdict}); }

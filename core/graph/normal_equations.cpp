@@ -230,12 +230,4 @@ bool NormalEquations::solve(double lambda) {
   return true;
 }
 
-std::pair<double, double> NormalEquations::products() const {
-  double scaled = 0.0;
-  for (Eigen::Index j = 0; j < solution_.size(); ++j) {
-    scaled += values_[outer_[j + 1] - 1] * solution_[j] * solution_[j];
-  }
-  return {gradient_.dot(solution_), scaled};
-}
-
 }  // namespace slamd::graph

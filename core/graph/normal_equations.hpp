@@ -89,9 +89,6 @@ class NormalEquations {
     return solution_.segment<kDimension>(offset_[u]);
   }
 
-  /// Returns gᵀx and xᵀ diag(H) x of the last solution.
-  std::pair<double, double> products() const;
-
  private:
   /// Where a coupling's block stands: in columns first_column …, after `above` rows of other blocks in each.
   struct Place {

@@ -1,6 +1,7 @@
 #include "core/graph/optimiser.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace slamd::graph {
 
@@ -38,7 +39,7 @@ OptimiserResult Optimiser::run(PoseGraph& graph, const OptimiserLimits& limits) 
     if (descends) {
       const auto [step_m, step_rad] = graph.move(equations_);
       const double cost = graph.cost();
-      const bool small = step_m < limits.step_m && step_rad < limits.step_rad;
+      const bool small = std::isfinite(cost) && step_m < limits.step_m && step_rad < limits.step_rad;
       descends = cost <= result.cost * (1.0 + kRounding);
       if (descends) {
         result.cost = cost;

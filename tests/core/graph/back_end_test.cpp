@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <limits>
 #include <memory>
 
 #include "square_drive.hpp"
@@ -83,6 +84,39 @@ TEST(BackEnd, RefusesWhatContradictsTheOdometry) {
   EXPECT_EQ(sut.propose(drive.loop(5, 85, {40.0, 0.0, 0.0}), id), Proposal::kContradictsOdometry);
 }
 
+TEST(BackEnd, RefusesALoopWhoseCovarianceIsNone) {
+  const SquareDrive drive(100);
+  BackEnd sut(small_config());
+  drive.drive(sut, 0, 100);
+  LoopCandidate unsure = drive.loop(15, 95);
+  unsure.strong = true;
+  unsure.motion.covariance(0, 0) = std::numeric_limits<double>::quiet_NaN();
+  LoopId id = 0;
+
+  EXPECT_EQ(sut.propose(unsure, id), Proposal::kContradictsOdometry);
+}
+
+TEST(BackEnd, DoesNotLetALoopSupportItself) {
+  const SquareDrive drive(100);
+  BackEnd sut(small_config());
+  drive.drive(sut, 0, 100);
+  LoopId id = 0;
+  pend(sut, drive.loop(15, 95));
+
+  EXPECT_EQ(sut.propose(drive.loop(15, 95), id), Proposal::kKnownPair);
+  EXPECT_EQ(sut.update().loops.size(), 0U);
+}
+
+TEST(BackEnd, RefusesALoopToAKeyframeThatWasRetired) {
+  const SquareDrive drive(100);
+  BackEnd sut(small_config());
+  drive.drive(sut, 0, 100);
+  sut.retire(50);
+  LoopId id = 0;
+
+  EXPECT_EQ(sut.propose(drive.loop(50, 95), id), Proposal::kNoKeyframe);
+}
+
 TEST(BackEnd, DoesNotTakeTwoLoopsForSupportThatContradictEachOther) {
   const SquareDrive drive(100, 0.02, 0.006);
   BackEnd sut(small_config());
@@ -158,7 +192,7 @@ TEST(BackEnd, KeepsLoopsFixesAndTheWayOverARetiredKeyframe) {
   for (KeyframeId id : {5U, 15U, 50U, 85U, 95U}) {
     sut.retire(id);
   }
-  LoopCandidate strong = drive.loop(16, 96);
+  LoopCandidate strong = drive.loop(17, 97);
   strong.strong = true;
   pend(sut, strong);
   const Update update = sut.update();
