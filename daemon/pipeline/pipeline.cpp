@@ -90,11 +90,20 @@ void Pipeline::stop() {
   gnss_thread_.reset();
 }
 
-void Pipeline::schedule(const configuration::RealtimeConfiguration& realtime) {
-  configuration_.realtime = realtime;
-  for (std::size_t i = 0; i < threads_.size(); ++i) {  // in the order of start(): each one higher than the last
-    threads_[i]->schedule({realtime.fifo, realtime.priority + static_cast<int>(i)});
+bool Pipeline::schedule(const configuration::RealtimeConfiguration& realtime) {
+  const auto scheduled = [&](const configuration::RealtimeConfiguration& wanted) {
+    bool all = true;
+    for (std::size_t i = 0; i < threads_.size(); ++i) {  // in the order of start(): each one higher than the last
+      all = threads_[i]->schedule({wanted.fifo, wanted.priority + static_cast<int>(i)}) && all;
+    }
+    return all;
+  };
+  if (!scheduled(realtime)) {
+    scheduled(configuration_.realtime);
+    return false;
   }
+  configuration_.realtime = realtime;
+  return true;
 }
 
 stages::NamedCounts Pipeline::wheels() const {

@@ -47,8 +47,8 @@ class Pipeline {
   /// Whether every thread runs under SCHED_FIFO, as configured.
   bool is_fifo() const;
 
-  /// Runs the threads so from now on. Housekeeping only.
-  void schedule(const configuration::RealtimeConfiguration& realtime);
+  /// Runs the threads so from now on. Housekeeping only.  Errors: false, and all run as before, where one may not.
+  bool schedule(const configuration::RealtimeConfiguration& realtime);
 
   /// The threads' signs of life, from start() on.
   const std::vector<std::unique_ptr<threads::Heartbeat>>& heartbeats() const { return heartbeats_; }

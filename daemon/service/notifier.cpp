@@ -64,7 +64,7 @@ void Notifier::reloading() {
 }
 
 void Notifier::set_patience(Duration patience) {
-  if (patience_ != Duration::zero()) {
+  if (patience_ != Duration::zero() && patience != patience_) {
     patience_ = patience;
     send("WATCHDOG_USEC=" +
          std::to_string(std::chrono::duration_cast<std::chrono::microseconds>(patience).count()));

@@ -36,7 +36,8 @@ class Notifier {
   /// How long the manager waits to be fed; zero: for ever.
   Duration patience() const { return patience_; }
 
-  /// Has the manager wait for so long from now on; without effect where it has no watchdog.
+  /// Has the manager wait for so long from now on, which feeds it once; without effect where it waits so long already, or has
+  /// no watchdog.
   void set_patience(Duration patience);
 
  private:

@@ -192,15 +192,17 @@ class Housekeeping {
   /// Takes over what may change of a configuration that was read again, and says what may not.
   void reload(const std::function<Configuration()>& read_again) {
     notifier_.reloading();
+    const configuration::RealtimeConfiguration before = configuration_.realtime;
     try {
       const Reload reload = take_over(configuration_, read_again());
       limit_.set_period(configuration_.log.repeat_period);
       saver_.set_directory(configuration_.output.save_directory);
-      pipeline_.schedule(configuration_.realtime);
+      const bool scheduled = pipeline_.schedule(configuration_.realtime);
       waits_ = reload.refused.empty() ? "" : "configuration: waits for a restart: " + reload.refused.front();
       log_.write(reload.refused.empty() ? Level::kInfo : Level::kWarning, in_words(reload));
-      if (configuration_.realtime.fifo && !pipeline_.is_fifo()) {
+      if (!scheduled) {
         log_.warn("SCHED_FIFO with priority " + std::to_string(configuration_.realtime.priority) + " is not permitted: the threads run as before");
+        configuration_.realtime = before;
       }
     } catch (const configuration::ConfigurationError& error) {
       waits_ = std::string("configuration refused: ") + error.what();
@@ -283,13 +285,12 @@ class Housekeeping {
       return bus::Reply{command.id, true, new_map()};
     }
     if (command.verb == "save") {
-      notifier_.set_patience(std::max(watchdog_, kSavePatience));
       const std::string fault = saver_.begin(command.id, command.arguments[0], T_map_odom());
       if (fault.empty()) {
+        if (life_.lives()) {  // or each save would postpone the restart that a hung thread needs
+          notifier_.set_patience(std::max(watchdog_, kSavePatience));
+        }
         return std::nullopt;
-      }
-      if (!saver_.is_busy()) {
-        notifier_.set_patience(watchdog_);
       }
       return bus::Reply{command.id, false, "save: " + fault};
     }

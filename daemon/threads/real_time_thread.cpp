@@ -40,11 +40,12 @@ RealTimeThread::RealTimeThread(const std::string& name, Scheduling scheduling, s
 
 RealTimeThread::~RealTimeThread() { pthread_join(thread_, nullptr); }
 
-void RealTimeThread::schedule(Scheduling scheduling) {
+bool RealTimeThread::schedule(Scheduling scheduling) {
   sched_param parameters{};
   parameters.sched_priority = scheduling.fifo ? scheduling.priority : 0;
   const bool done = pthread_setschedparam(thread_, scheduling.fifo ? SCHED_FIFO : SCHED_OTHER, &parameters) == 0;
-  fifo_ = done ? scheduling.fifo : fifo_;  // refused: it stays as it is
+  fifo_ = done ? scheduling.fifo : fifo_;
+  return done;
 }
 
 void* RealTimeThread::run(void* self) {

@@ -33,8 +33,8 @@ class RealTimeThread {
 
   bool is_fifo() const { return fifo_; }
 
-  /// Changes how it is scheduled; is_fifo() tells whether SCHED_FIFO was permitted. Who made the thread only.
-  void schedule(Scheduling scheduling);
+  /// Changes how it is scheduled. Who made the thread only.  Errors: false, and it runs as before, where that is not permitted.
+  bool schedule(Scheduling scheduling);
   pthread_t handle() const { return thread_; }
 
  private:
