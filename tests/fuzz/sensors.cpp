@@ -145,9 +145,12 @@ class Robot {
 
   /// No byte of a sensor's reaches the terminal as a control character.
   static void check_text(const std::string& text) {
-    for (const char c : text) {
-      SLAMD_ASSERT(c == '\n' || static_cast<unsigned char>(c) >= 0x20);
+    for (std::size_t i = 0; i < text.size(); ++i) {
+      const auto c = static_cast<unsigned char>(text[i]);
+      SLAMD_ASSERT(c == '\n' || (c >= 0x20 && c != 0x7F));
+      SLAMD_ASSERT(c != 0xC2 || (i + 1 < text.size() && static_cast<unsigned char>(text[i + 1]) >= 0xA0));  // C1, in UTF-8
     }
+    static_cast<void>(nlohmann::json(text).dump());  // throws what ends the fuzzer where it is no UTF-8
   }
 
   Stamp now_ = kBegin;

@@ -127,7 +127,7 @@ done
 { sleep 1.3; ip netns exec slamd_sensor "$bin/slamd" --set lidar.model=livox_avia --set lidar.device.code=any 2>"$scratch/slamd.log"; } &
 taking=$!
 pids+=("$taking")
-look 6.2
+look 9.2
 says "an Avia that was taken by another host is said to be" 'Livox Avia 3JEDK380010Z391 at 10\.77\.0\.2: looks for no host any more: another host owns it'
 look 2.4 --ask-avia 10.77.0.2
 says "it says so itself when it is asked" 'Livox SDK1 device at 10\.77\.0\.2: refuses this host: another one owns it'
