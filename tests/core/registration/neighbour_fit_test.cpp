@@ -54,14 +54,16 @@ TEST_F(NeighbourFitTest, GivesTheBitsOfANewLookUpHoweverFarThePointMoves) {
         sut.look_up(map_, p, 1.0F);
 
         ASSERT_EQ(sut.neighbours().count, expected.neighbours().count);
-        ASSERT_EQ(sut.neighbours().distance_sq_m2, expected.neighbours().distance_sq_m2);
-        ASSERT_EQ(sut.neighbours().points_odom, expected.neighbours().points_odom);
+        for (std::size_t n = 0; n < expected.neighbours().count; ++n) {  // what lies beyond holds nothing
+          ASSERT_EQ(sut.neighbours().distance_sq_m2[n], expected.neighbours().distance_sq_m2[n]);
+          ASSERT_EQ(sut.neighbours().points_odom[n], expected.neighbours().points_odom[n]);
+        }
         if (expected.is_full()) {
           ASSERT_EQ(sut.axes().mean, expected.axes().mean);
           ASSERT_EQ(sut.axes().lambda, expected.axes().lambda);
           ASSERT_EQ(sut.axes().vectors, expected.axes().vectors);
         }
-        same_neighbours += before.points_odom == expected.neighbours().points_odom ? 1 : 0;
+        same_neighbours += expected.is_full() && before.points_odom == expected.neighbours().points_odom ? 1 : 0;
       }
     }
   }
