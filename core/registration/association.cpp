@@ -98,6 +98,9 @@ void associate(const scan::DeskewedScan& scan,
   const Eigen::Vector3f t = T_odom_imu.translation().cast<float>();
   BoundedVector<Constraint>& out = association.constraints;
   out.clear();
+  if (!R.allFinite() || !t.allFinite()) {
+    return;  // nothing is near to what is no number
+  }
   for (std::size_t i = 0; i < scan.planar.size(); ++i) {
     look_ahead(i, scan.planar, association.planar, R, t, map);
     const FeaturePoint& feature = scan.planar[i];

@@ -1,6 +1,5 @@
 #include "core/registration/neighbour_fit.hpp"
 
-#include <limits>
 #include <random>
 
 #include <gtest/gtest.h>
@@ -27,16 +26,6 @@ class NeighbourFitTest : public testing::Test {
   std::mt19937_64 engine_{1};
   map::VoxelMap map_;
 };
-
-TEST_F(NeighbourFitTest, HasNoNeighboursOfWhatIsNoNumber) {
-  NeighbourFit sut;
-  sut.look_up(map_, within(1.0F), 1.0F);
-  ASSERT_TRUE(sut.is_full());
-
-  sut.look_up(map_, Eigen::Vector3f::Constant(std::numeric_limits<float>::quiet_NaN()), 1.0F);
-
-  EXPECT_EQ(sut.neighbours().count, 0U);
-}
 
 TEST_F(NeighbourFitTest, GivesTheBitsOfANewLookUpHoweverFarThePointMoves) {
   std::size_t same_neighbours = 0;

@@ -2,9 +2,11 @@
 
 #include <limits>
 #include <random>
+#include <vector>
 
 #include "core/geometry/so3.hpp"
 #include "core/map/voxel_map.hpp"
+#include "core/registration/association.hpp"
 #include "core/registration/constraint.hpp"
 #include "core/registration/gauss_newton.hpp"
 #include "tests/support/allocation_guard.hpp"
@@ -29,6 +31,26 @@ map::VoxelMap map_of_room(std::mt19937_64& engine) {
     map.insert(points, 0.0);
   }
   return map;
+}
+
+TEST(Associate, GivesNoConstraintsAtAPoseThatIsNoNumberThoughItHadSome) {
+  map::VoxelMap map(map::VoxelMapConfig{});
+  std::vector<Eigen::Vector3f> floor;
+  for (int i = 0; i < 64; ++i) {
+    floor.emplace_back(0.26F * static_cast<float>(i % 8), 0.26F * static_cast<float>(i / 8), 0.0F);
+  }
+  map.insert(floor, 0.0);
+  scan::DeskewedScan scan(scan::PreprocessConfig{});
+  scan.planar.push_back({Eigen::Vector3f(1.0F, 1.0F, 0.0F), 1.4F});
+  Association sut{scan::PreprocessConfig{}};
+  sut.begin(scan);
+  associate(scan, map, Se3(), {}, sut);
+  ASSERT_EQ(sut.constraints.size(), 1U);
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+
+  associate(scan, map, Se3(Eigen::Matrix3d::Identity(), Eigen::Vector3d(nan, 0.0, 0.0)), {}, sut);
+
+  EXPECT_EQ(sut.constraints.size(), 0U);
 }
 
 TEST(Linearize, GradientMatchesTheNumericDerivativeOfTheCost) {
