@@ -29,8 +29,8 @@ struct CellVisit {
   float gap_sq_m2;  // from the query to the cell's nearest face
 };
 
-/// The best points of a search so far, nearest first, one more than are given out. A point is a number: its squared distance, whose bits sort as the
-/// distance does, above its place among the visited cells. Equal distances so have an order, too.
+/// The best points of a search so far, nearest first, one more than are given out. A point is a number: its squared distance,
+/// whose bits sort as the distance does, above its place among the visited cells. Equal distances so have an order, too.
 struct Nearest {
   explicit Nearest(float radius_sq_m2) { keys.fill(key_of(radius_sq_m2, 0)); }
 

@@ -2,22 +2,22 @@
 
 #include <cmath>
 
+#include "core/base/units.hpp"
 #include "core/geometry/so3.hpp"
 
 namespace slamd::devices {
 
 namespace {
 
-constexpr double kDegree_rad = M_PI / 180.0;
 constexpr double kSame_m = 1e-3;  // what is stored is in whole millimetres
-constexpr double kSame_rad = 0.1 * kDegree_rad;
+constexpr double kSame_rad = 0.1 * kDegree;
 
 geometry::Se3 transform_of(const livox::Sdk1Extrinsic& stored) {
   Eigen::Vector3d xyz_m;
   Eigen::Vector3d rpy_rad;
   for (int axis = 0; axis < 3; ++axis) {
     xyz_m[axis] = 1e-3 * stored.xyz_mm[static_cast<std::size_t>(axis)];
-    rpy_rad[axis] = kDegree_rad * static_cast<double>(stored.rpy_deg[static_cast<std::size_t>(axis)]);
+    rpy_rad[axis] = kDegree * static_cast<double>(stored.rpy_deg[static_cast<std::size_t>(axis)]);
   }
   return {geometry::rotation_from_rpy(rpy_rad), xyz_m};
 }

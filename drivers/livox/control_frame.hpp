@@ -5,6 +5,7 @@
 #include <span>
 #include <string_view>
 
+#include "core/base/bytes.hpp"
 #include "core/base/fixed_vector.hpp"
 
 namespace slamd::livox {
@@ -28,6 +29,14 @@ inline constexpr std::size_t kFrameResults = 8;
 std::string_view name_of(FrameResult result);
 
 inline constexpr std::size_t kLongestFrame = 1400;
+
+/// What each frame begins with.
+inline constexpr std::uint8_t kSof = 0xAA;
+
+/// Tells whether a datagram begins as a control frame does, none of which is shorter than `shortest_bytes`.
+inline bool begins_as_control_frame(std::span<const std::byte> payload, std::size_t shortest_bytes) {
+  return payload.size() >= shortest_bytes && load_le<std::uint8_t>(payload, 0) == kSof;
+}
 
 /// A frame on its way out.
 using FrameBytes = FixedVector<std::byte, 256>;

@@ -5,20 +5,15 @@
 #include "core/base/assert.hpp"
 #include "core/base/bytes.hpp"
 #include "core/base/units.hpp"
+#include "drivers/livox/control_frame.hpp"
 #include "drivers/livox/wire_return.hpp"
 
 namespace slamd::livox {
 
 namespace {
 
-constexpr std::uint8_t kControlSof = 0xAA;
 constexpr std::size_t kShortestControlFrame = 15;
 constexpr std::uint8_t kImuDataType = 6;
-
-bool is_control_frame(std::span<const std::byte> payload) {
-  return payload.size() >= kShortestControlFrame &&
-         load_le<std::uint8_t>(payload, 0) == kControlSof;
-}
 
 /// One return as it is on the wire; which of the coordinates count, the layout says.
 struct WireReturn {
@@ -116,7 +111,7 @@ DecodeResult LivoxDecoder::decode_checked(std::span<const std::byte> payload,
                                           Stamp received,
                                           sensor::PointBlock& block,
                                           ImuReading& imu) {
-  if (is_control_frame(payload)) {
+  if (begins_as_control_frame(payload, kShortestControlFrame)) {
     return DecodeResult::kControlFrame;
   }
   if (payload.size() < DataHeader::kBytes) {

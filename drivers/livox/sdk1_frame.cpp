@@ -10,7 +10,6 @@ namespace slamd::livox {
 
 namespace {
 
-constexpr std::uint8_t kSof = 0xAA;
 constexpr std::uint8_t kVersion = 1;
 constexpr std::size_t kHeaderBytes = 7;  // which the first checksum covers
 constexpr std::size_t kPayloadAt = 11;

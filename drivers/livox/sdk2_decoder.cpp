@@ -6,23 +6,18 @@
 #include "core/base/assert.hpp"
 #include "core/base/bytes.hpp"
 #include "core/base/units.hpp"
+#include "drivers/livox/control_frame.hpp"
 
 namespace slamd::livox {
 
 namespace {
 
-constexpr std::uint8_t kSdk2ControlSof = 0xAA;
 constexpr std::size_t kShortestSdk2ControlFrame = 24;
 constexpr std::uint8_t kSdk2ImuDataType = 0;
 constexpr std::uint64_t kLatest_ns = std::numeric_limits<std::int64_t>::max();
 constexpr std::uint8_t kFirstReturn = 1 << 4;  // SDK1's return number
 /// A step beyond half the numbers is one backwards: a restart, or packets that changed places.
 constexpr std::uint16_t kLongestGap = 0x7FFF;
-
-bool is_sdk2_control_frame(std::span<const std::byte> payload) {
-  return payload.size() >= kShortestSdk2ControlFrame &&
-         load_le<std::uint8_t>(payload, 0) == kSdk2ControlSof;
-}
 
 }  // namespace
 
@@ -87,7 +82,7 @@ DecodeResult Sdk2Decoder::decode_checked(std::span<const std::byte> payload,
                                          Stamp received,
                                          sensor::PointBlock& block,
                                          ImuReading& imu) {
-  if (is_sdk2_control_frame(payload)) {
+  if (begins_as_control_frame(payload, kShortestSdk2ControlFrame)) {
     return DecodeResult::kControlFrame;
   }
   if (payload.size() < Sdk2Header::kBytes) {

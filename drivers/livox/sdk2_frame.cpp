@@ -10,7 +10,6 @@ namespace slamd::livox {
 
 namespace {
 
-constexpr std::uint8_t kSof = 0xAA;
 constexpr std::uint8_t kVersion = 0;
 constexpr std::size_t kHeaderBytes = 18;  // which the first checksum covers
 constexpr std::size_t kPayloadAt = 24;

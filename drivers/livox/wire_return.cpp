@@ -8,11 +8,6 @@
 
 namespace slamd::livox {
 
-namespace {
-
-
-}  // namespace
-
 std::array<double, 3> Direction::unit_vector() const {
   constexpr double kRadPerCdeg = std::numbers::pi / 18000.0;
   const double zenith_rad = zenith_cdeg * kRadPerCdeg;

@@ -10,11 +10,6 @@
 
 namespace slamd::sensors {
 
-namespace {
-
-
-}  // namespace
-
 Gravity compare_gravity(const Eigen::Matrix3d& R_base_imu, const Eigen::Vector3d& up_imu) {
   const Eigen::Vector3d up_base = (R_base_imu * up_imu).normalized();
   const Eigen::Matrix3d R_level_base = Eigen::Quaterniond::FromTwoVectors(up_base, Eigen::Vector3d::UnitZ()).toRotationMatrix();
