@@ -269,7 +269,7 @@ void BackEnd::take_back_what_does_not_fit(std::size_t entered) {
 bool BackEnd::new_fixes_disagree() const {
   std::size_t doubted = 0;
   std::size_t seen = 0;
-  for (std::size_t i = first_at_or_after(new_fixes_from_.value_or(0)); i < graph_.size(); ++i) {
+  for (std::size_t i = graph_.first_at_or_after(new_fixes_from_.value_or(0)); i < graph_.size(); ++i) {
     if (graph_.node(i).fix) {
       ++seen;
       doubted += graph_.node(i).fix_weight > 0.0 ? 0 : 1;
@@ -308,19 +308,6 @@ Update BackEnd::update() {
   }
   update.loops = {events_.data(), events_.size()};
   return update;
-}
-
-std::size_t BackEnd::first_at_or_after(KeyframeId id) const {
-  std::size_t i = 0;
-  for (std::size_t end = graph_.size(); i < end;) {
-    const std::size_t middle = (i + end) / 2;
-    if (graph_.node(middle).id < id) {
-      i = middle + 1;
-    } else {
-      end = middle;
-    }
-  }
-  return i;
 }
 
 Motion BackEnd::moved(const Motion& motion, KeyframeId& a, KeyframeId& b, std::size_t retired) const {

@@ -133,7 +133,6 @@ class BackEnd {
   void make_room();
   void give_up_the_old();
   bool new_fixes_disagree() const;
-  std::size_t first_at_or_after(KeyframeId id) const;
   bool loops_agree() const;
   void solve_warm(Update& update);
   void solve_full(Update& update);

@@ -121,15 +121,20 @@ void PoseGraph::set_alignment(const GnssAlignment& alignment) {
   alignment_ = alignment;
 }
 
-std::size_t PoseGraph::index_of(KeyframeId id) const {
+std::size_t PoseGraph::first_at_or_after(KeyframeId id) const {
   const Node* at = std::lower_bound(nodes_.begin(), nodes_.end(), id, [](const Node& n, KeyframeId k) { return n.id < k; });
-  SLAMD_ASSERT(at != nodes_.end() && at->id == id);
   return static_cast<std::size_t>(at - nodes_.begin());
 }
 
+std::size_t PoseGraph::index_of(KeyframeId id) const {
+  const std::size_t i = first_at_or_after(id);
+  SLAMD_ASSERT(i < nodes_.size() && nodes_[i].id == id);
+  return i;
+}
+
 bool PoseGraph::holds(KeyframeId id) const {
-  const Node* at = std::lower_bound(nodes_.begin(), nodes_.end(), id, [](const Node& n, KeyframeId k) { return n.id < k; });
-  return at != nodes_.end() && at->id == id;
+  const std::size_t i = first_at_or_after(id);
+  return i < nodes_.size() && nodes_[i].id == id;
 }
 
 void PoseGraph::set_loop_enabled(std::size_t k, bool enabled) {

@@ -97,6 +97,8 @@ class PoseGraph {
   std::size_t size() const { return nodes_.size(); }
   bool full() const { return nodes_.full(); }
   const Node& node(std::size_t index) const { return nodes_[index]; }
+  /// Where the first keyframe stands that is no older than `id`; size() if there is none.
+  std::size_t first_at_or_after(KeyframeId id) const;
   std::size_t index_of(KeyframeId id) const;
   bool holds(KeyframeId id) const;
   const std::optional<GnssAlignment>& alignment() const { return alignment_; }
