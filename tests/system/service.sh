@@ -97,7 +97,7 @@ trap 'rm -rf "$scratch"; rm -rf --one-file-system "$root"' EXIT
 debian_tree "$tarball" "$root" || { fail "the tree unpacks"; exit 1; }
 mkdir "$root/slamd-test"
 g++ -std=c++20 -O1 -static -o "$root/slamd-test/stop_thread" tests/system/stop_thread.cpp || { fail "stop_thread.cpp compiles"; exit 1; }
-cp "$deb" "$tools_deb" tests/system/service_guest.sh "$root/slamd-test/"
+cp "$deb" "$tools_deb" tests/system/service_guest.bash "$root/slamd-test/"
 # The next version is this one by another name.
 dpkg-deb -R "$deb" "$scratch/next"
 sed -i 's/^Version: .*/Version: 0.1.0+next/' "$scratch/next/DEBIAN/control"
@@ -126,7 +126,7 @@ After=multi-user.target
 [Service]
 Type=oneshot
 TimeoutStartSec=900
-ExecStart=/bin/bash -c '/bin/bash /slamd-test/service_guest.sh >/slamd-test/said 2>&1; systemctl --no-block poweroff'
+ExecStart=/bin/bash -c '/bin/bash /slamd-test/service_guest.bash >/slamd-test/said 2>&1; systemctl --no-block poweroff'
 END
 ln -s ../all-that-happens.service "$root/etc/systemd/system/multi-user.target.wants/"
 for unit in systemd-timesyncd.service systemd-resolved.service getty.target console-getty.service apt-daily.timer apt-daily-upgrade.timer; do

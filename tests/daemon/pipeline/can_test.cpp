@@ -32,7 +32,7 @@ constexpr const char* kOnCan =
 
 configuration::Configuration configured(const std::string& more) {
   configuration::Loader loader;
-  loader.add_text("[[lidar]]\nmodel = \"vlp16\"\nport = 42568\nposition_port = 0\nbind_address = \"127.0.0.1\"\n" + more, "test.toml");
+  loader.add_text("[[lidar]]\nmodel = \"vlp16\"\nport = 22568\nposition_port = 0\nbind_address = \"127.0.0.1\"\n" + more, "test.toml");
   return loader.load();
 }
 
@@ -71,7 +71,7 @@ TEST_F(CanReceive, SaysThatTheKernelHasNoCan) {
 }
 
 TEST_F(CanReceive, HasNoBusWhereNothingIsOnOne) {
-  begin("[imu]\nsource = \"udp\"\nport = 47601\n[wheel]\nuse = false\nsource = \"odom.csv\"\n");
+  begin("[imu]\nsource = \"udp\"\nport = 27601\n[wheel]\nuse = false\nsource = \"odom.csv\"\n");
 
   EXPECT_EQ(sut_->can(), nullptr);
   EXPECT_TRUE(sut_->wheels().empty() && sut_->can_frames().empty());

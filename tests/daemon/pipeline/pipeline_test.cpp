@@ -53,9 +53,9 @@ struct Event {
   std::vector<std::byte> payload;
 };
 
-constexpr int kLidarPort = 42368;
-constexpr int kPositionPort = 48308;
-constexpr int kImuPort = 47501;
+constexpr int kLidarPort = 22368;
+constexpr int kPositionPort = 28308;
+constexpr int kImuPort = 27501;
 
 std::vector<std::byte> bytes_of(const std::string& text) {
   std::vector<std::byte> bytes(text.size());

@@ -107,7 +107,7 @@ class Serial : public scratch::ScratchFolder {
   void begin(const std::string& more) {
     fs::create_directories(folder_);
     configuration::Loader loader;
-    loader.add_text("[[lidar]]\nmodel = \"vlp16\"\nport = 42468\nposition_port = 0\nbind_address = \"127.0.0.1\"\n[imu]\nsource = "
+    loader.add_text("[[lidar]]\nmodel = \"vlp16\"\nport = 22468\nposition_port = 0\nbind_address = \"127.0.0.1\"\n[imu]\nsource = "
                     "\"serial\"\ndevice = \"" + (folder_ / "imu").string() + "\"\n" + more, "test.toml");
     const configuration::Configuration configuration = loader.load();
     odometry::OdometryConfig odometry = resolved_odometry(configuration);

@@ -24,8 +24,8 @@ configuration::Configuration small_daemon(const std::string& more) {
   loader.add_text(R"(
 [[lidar]]
 model = "vlp16"
-port = 42468
-position_port = 48408
+port = 22668
+position_port = 28408
 bind_address = "127.0.0.1"
 [lcm]
 url = "memq://"
