@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace slamd::geometry {
 
@@ -64,6 +65,19 @@ Eigen::Matrix3d so3_right_jacobian_inverse(const Eigen::Vector3d& phi) {
 
 Eigen::Matrix3d orthonormalized(const Eigen::Matrix3d& R) {
   return Eigen::Quaterniond(R).normalized().toRotationMatrix();
+}
+
+Eigen::Matrix3d rotation_between(const Eigen::Vector3d& from, const Eigen::Vector3d& to) {
+  const Eigen::Vector3d a = from.normalized();
+  const Eigen::Vector3d b = to.normalized();
+  const double sum = (a + b).norm();  // twice the cosine of half the angle, without the digits that 1 + a·b loses
+  if (sum < 1e-9) {
+    return Eigen::AngleAxisd(std::numbers::pi, a.unitOrthogonal()).toRotationMatrix();
+  }
+  Eigen::Quaterniond q;
+  q.vec() = a.cross(b) / sum;
+  q.w() = 0.5 * sum;
+  return q.normalized().toRotationMatrix();
 }
 
 Eigen::Matrix3d rotation_from_rpy(const Eigen::Vector3d& rpy_rad) {

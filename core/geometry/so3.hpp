@@ -24,6 +24,10 @@ Eigen::Matrix3d so3_right_jacobian_inverse(const Eigen::Vector3d& phi);
 /// Returns the nearest rotation matrix (removes what rounding adds over many products).
 Eigen::Matrix3d orthonormalized(const Eigen::Matrix3d& R);
 
+/// Returns the smallest rotation that takes the direction of `from` to that of `to`; opposite ones are half a turn about some axis
+/// across them. Neither may be zero. (Eigen's FromTwoVectors compiles a singular value decomposition wherever it is named.)
+Eigen::Matrix3d rotation_between(const Eigen::Vector3d& from, const Eigen::Vector3d& to);
+
 /// Returns Rz(yaw)·Ry(pitch)·Rx(roll), the order of the configuration's rpy_deg. Units: rad.
 Eigen::Matrix3d rotation_from_rpy(const Eigen::Vector3d& rpy_rad);
 

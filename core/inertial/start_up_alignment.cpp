@@ -27,8 +27,7 @@ double largest_std(const Eigen::Vector3d& sum, const Eigen::Vector3d& square_sum
 /// Rotation that levels: takes `up_imu` to the z axis of odom and base's x axis into odom's x–z half plane.
 Eigen::Matrix3d levelled(const Eigen::Vector3d& up_imu, const Eigen::Matrix3d& R_base_imu) {
   const Eigen::Vector3d up_base = (R_base_imu * up_imu).normalized();
-  const Eigen::Matrix3d R_level_base =
-      Eigen::Quaterniond::FromTwoVectors(up_base, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  const Eigen::Matrix3d R_level_base = geometry::rotation_between(up_base, Eigen::Vector3d::UnitZ());
   const double yaw = geometry::rpy_from_rotation(R_level_base).z();
   return geometry::rotation_from_rpy({0.0, 0.0, -yaw}) * R_level_base * R_base_imu;
 }

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include <Eigen/Geometry>
-
 #include "core/base/units.hpp"
 #include "core/geometry/so3.hpp"
 
@@ -12,7 +10,7 @@ namespace slamd::sensors {
 
 Gravity compare_gravity(const Eigen::Matrix3d& R_base_imu, const Eigen::Vector3d& up_imu) {
   const Eigen::Vector3d up_base = (R_base_imu * up_imu).normalized();
-  const Eigen::Matrix3d R_level_base = Eigen::Quaterniond::FromTwoVectors(up_base, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  const Eigen::Matrix3d R_level_base = geometry::rotation_between(up_base, Eigen::Vector3d::UnitZ());
   Gravity gravity;
   gravity.angle_deg = std::acos(std::clamp(up_base.z(), -1.0, 1.0)) / kDegree;
   gravity.rpy_deg = geometry::rpy_from_rotation(R_level_base * R_base_imu) / kDegree;

@@ -29,6 +29,7 @@ namespace {
 constexpr int kAskedRate_hz = 200;  // of a sensor that sends nothing until it is told
 
 // Where hosts have them send, by the SDKs.
+constexpr int kVelodynePort = 2368;
 constexpr int kAviaPort = 56001;
 constexpr int kMid360Port = 56301;
 
@@ -139,7 +140,7 @@ void write_lidar(const LidarSeen& lidar, const Seen& seen, Lines& lines) {
     write_livox(lidar, lines);
   } else {
     lines.key("source_address = " + quoted(dotted(lidar.address)), a_second(lidar.packets, "packets"));
-    if (lidar.port != 2368) {
+    if (lidar.port != kVelodynePort) {
       lines.key("port = " + std::to_string(lidar.port), "where they arrive");
     }
   }
@@ -200,7 +201,22 @@ void write_can_imu(const BusSeen& bus, Lines& lines) {
   write_place_of_imu(imu, lines);
 }
 
+/// The row source that speaks most. What looks like rows at a port of the LiDAR's is none: slamd would refuse it there.
+const RowsSeen* chosen_rows(const LidarSeen& lidar, const Seen& seen) {
+  const configuration::LidarConfiguration usual;
+  const RowsSeen* chosen = nullptr;
+  for (const RowsSeen& rows : seen.rows) {
+    const bool is_of_lidar = rows.port == lidar.port || rows.port == usual.position_port || rows.port == usual.imu_port ||
+                             rows.port == kVelodynePort || rows.port == kAviaPort || rows.port == kMid360Port;
+    if (!is_of_lidar && (chosen == nullptr || rows.imu.samples.total > chosen->imu.samples.total)) {
+      chosen = &rows;
+    }
+  }
+  return chosen;
+}
+
 void write_imu(const LidarSeen& lidar, const Seen& seen, Lines& lines) {
+  const RowsSeen* const rows = chosen_rows(lidar, seen);
   const auto line = std::find_if(seen.lines.begin(), seen.lines.end(), is_inertial);
   const auto bus = std::find_if(seen.buses.begin(), seen.buses.end(),
                                 [](const BusSeen& candidate) { return speaks(candidate.xsens) || speaks(candidate.aceinna); });
@@ -208,8 +224,8 @@ void write_imu(const LidarSeen& lidar, const Seen& seen, Lines& lines) {
     write_serial_imu(*line, lines);
   } else if (bus != seen.buses.end()) {
     write_can_imu(*bus, lines);
-  } else if (!seen.rows.empty()) {
-    write_rows(seen.rows.front(), lines);
+  } else if (rows != nullptr) {
+    write_rows(*rows, lines);
   } else if (configuration::is_livox(*model_of(lidar))) {
     lines.table("[imu]");
     lines.key("source = \"livox\"", lidar.imu ? a_second(lidar.imu->samples, "samples") + " of its own" : std::string("its own; it sends once it is started"));

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 #include <random>
 
 namespace slamd::geometry {
@@ -53,6 +54,23 @@ TEST(So3, RightJacobianMatchesNumericDerivative) {
       EXPECT_LT((numeric - jacobian.col(axis)).norm(), 1e-7);
     }
     EXPECT_LT((jacobian * so3_right_jacobian_inverse(phi) - Eigen::Matrix3d::Identity()).norm(), 1e-9);
+  }
+}
+
+TEST(So3, RotationBetweenIsTheSmallestThatTakesOneDirectionToTheOther) {
+  std::mt19937_64 engine(5);
+  for (const double angle : {0.0, 1e-8, 0.3, 1.6, 3.1, 3.1415926, std::numbers::pi}) {
+    for (int i = 0; i < 50; ++i) {
+      const Eigen::Vector3d from = random_rotation_vector(engine, 3.0);
+      const Eigen::Vector3d axis = from.unitOrthogonal();
+      const Eigen::Vector3d to = 7.0 * (so3_exp(angle * axis) * from);
+
+      const Eigen::Matrix3d sut = rotation_between(from, to);
+
+      EXPECT_LT((sut * from.normalized() - to.normalized()).norm(), 1e-8) << angle;
+      EXPECT_LT((sut * sut.transpose() - Eigen::Matrix3d::Identity()).norm(), 1e-8) << angle;
+      EXPECT_NEAR(so3_log(sut).norm(), angle, 1e-7);
+    }
   }
 }
 

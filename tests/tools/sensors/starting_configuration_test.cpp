@@ -105,6 +105,17 @@ TEST(StartingConfiguration, TakesRowsFromTheNetwork) {
   EXPECT_EQ(sut.imu.port, 7502);
 }
 
+TEST(StartingConfiguration, TakesNoRowsForAnInertialSensorThatArriveWhereTheLidarSends) {
+  Seen seen = with_lidar(made_vlp16());
+  InertialSeen few = made_xsens().imu;
+  few.samples.total = 1;
+  seen.rows = {{kSensor, 8308, made_xsens().imu}, {kSensor, 7501, few}, {kSensor, 7502, made_xsens().imu}};
+
+  EXPECT_EQ(read_back(written(seen)).imu.port, 7502);
+  seen.rows.resize(1);
+  EXPECT_TRUE(read_back(written(seen)).imu.source.empty());
+}
+
 TEST(StartingConfiguration, TakesTheReceiverBehindAVelodyne) {
   LidarSeen lidar = made_vlp16();
   lidar.sentence = "$GPRMC,";
