@@ -190,8 +190,10 @@ void LoopVerifier::register_finely(std::span<const Eigen::Vector3f> points_query
   result.covariance = (0.5 * (result.covariance + result.covariance.transpose())).eval();
   is_degenerate_ = held.weak.count != 0 || result.covariance.diagonal().head<3>().maxCoeff() > config_.most_std_m * config_.most_std_m ||
                    result.covariance.diagonal().tail<3>().maxCoeff() > config_.most_std_rad * config_.most_std_rad;
-  result.covariance.diagonal().head<3>().array() += config_.least_std_m * config_.least_std_m;
-  result.covariance.diagonal().tail<3>().array() += config_.least_std_rad * config_.least_std_rad;
+  const double common_m = std::max(config_.least_std_m, config_.common_share * result.mean_residual_m);
+  const double common_rad = std::max(config_.least_std_rad, config_.common_rad_m * result.mean_residual_m);
+  result.covariance.diagonal().head<3>().array() += common_m * common_m;
+  result.covariance.diagonal().tail<3>().array() += common_rad * common_rad;
 }
 
 Verdict LoopVerifier::judge(const Verification& result, const LoopProposal& proposal, bool is_degenerate) const {

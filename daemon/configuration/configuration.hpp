@@ -118,6 +118,17 @@ struct GnssConfiguration {
   bool is_velodyne() const { return source == "velodyne"; }
 };
 
+/// The map that corrects itself: keyframes and loops. What is not here has no key: see mapping::MapperConfig.
+struct MappingConfiguration {
+  bool use = true;
+  int keyframes = 10'000;         // at most; then the most redundant one is given up for each new one
+  int loops = 4'096;              // at most
+  int cloud_points = 4'096;       // of a keyframe
+  double spacing_indoor_m = 1.0;  // of keyframes
+  double spacing_outdoor_m = 2.0;
+  double view_deg = 180.0;        // between the headings of keyframes that are compared
+};
+
 struct OutputConfiguration {
   double map_spacing_m = 0.10;
   std::string save_directory;  // live: where the command "save" writes; empty: nowhere
@@ -149,6 +160,7 @@ struct Configuration {
   WheelConfiguration wheel;
   GnssConfiguration gnss;
   odometry::OdometryConfig odometry;
+  MappingConfiguration mapping;
   OutputConfiguration output;
   RealtimeConfiguration realtime;
   LcmConfiguration lcm;

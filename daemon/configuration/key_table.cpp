@@ -139,6 +139,13 @@ void add_odometry_keys(std::vector<Key>& keys) {
   keys.push_back(number("map.window_m", 10.0, 10000.0, "Path after which an untouched cell is forgotten.", SLAMD_FIELD(odometry.map.window_m)));
   keys.push_back(number("map.max_cells", 1000, 1e6, "Fine cells of 1 m; the oldest are recycled.", SLAMD_FIELD(odometry.map.max_cells)));
   keys.push_back(number("map.max_surface_cells", 1000, 4e6, "Coarse cells; the oldest are recycled.", SLAMD_FIELD(odometry.map.max_surface_cells)));
+  keys.push_back(boolean("mapping.use", "Keep keyframes, look for loops and correct the map by them.", SLAMD_FIELD(mapping.use)));
+  keys.push_back(number("mapping.keyframes", 100, 100'000, "Keyframes at most (30 kB each); then the most redundant one is given up for each new one.", SLAMD_FIELD(mapping.keyframes)));
+  keys.push_back(number("mapping.loops", 16, 100'000, "Loops in the graph at most.", SLAMD_FIELD(mapping.loops)));
+  keys.push_back(number("mapping.cloud_points", 500, 20'000, "Points of a keyframe's cloud (6 bytes each).", SLAMD_FIELD(mapping.cloud_points)));
+  keys.push_back(number("mapping.spacing_indoor_m", 0.2, 20.0, "Of keyframes where the map has none like it.", SLAMD_FIELD(mapping.spacing_indoor_m)));
+  keys.push_back(number("mapping.spacing_outdoor_m", 0.2, 50.0, "The same outdoors.", SLAMD_FIELD(mapping.spacing_outdoor_m)));
+  keys.push_back(number("mapping.view_deg", 5.0, 180.0, "Between the headings of two keyframes that are compared: less for a LiDAR that does not look around.", SLAMD_FIELD(mapping.view_deg)));
   keys.push_back(number("output.map_spacing_m", 0.02, 5.0, "Points of map.ply: one in a cube of this side.", SLAMD_FIELD(output.map_spacing_m)));
   keys.push_back(live(text("output.save_directory", "Live: where the command save writes, a folder each time; empty: it is refused.", SLAMD_FIELD(output.save_directory))));
   keys.push_back(live(boolean("realtime.fifo", "Live: threads under SCHED_FIFO where it is permitted.", SLAMD_FIELD(realtime.fifo))));

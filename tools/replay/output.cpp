@@ -9,8 +9,11 @@
 
 #include <nlohmann/json.hpp>
 
+#include "core/mapping/corrections.hpp"
 #include "drivers/recording/tum.hpp"
+#include "drivers/storage/ply_reader.hpp"
 #include "tools/replay/covariance_columns.hpp"
+#include "tools/replay/mapping_run.hpp"
 
 namespace slamd::replay {
 
@@ -88,6 +91,22 @@ ordered_json json_of(const TimeSummary& times) {
   return {{"median", rounded(times.median)}, {"p95", rounded(times.p95)}, {"p99", rounded(times.p99)}, {"max", rounded(times.max)}};
 }
 
+ordered_json json_of(const mapping::LoopCounts& counts) {
+  ordered_json verdicts = ordered_json::object();
+  for (std::size_t i = 1; i < loop::kVerdicts; ++i) {
+    verdicts[loop::name_of(static_cast<loop::Verdict>(i))] = counts.verdicts[i];
+  }
+  const auto proposed = [&](graph::Proposal proposal) { return counts.proposed[static_cast<std::size_t>(proposal)]; };
+  const auto said = [&](graph::LoopVerdict verdict) { return counts.graph_verdicts[static_cast<std::size_t>(verdict)]; };
+  return {{"candidates", counts.candidates},
+          {"verified", counts.verified()},
+          {"accepted", counts.accepted()},
+          {"removed", counts.removed()},
+          {"refused", verdicts},
+          {"contradicts_odometry", proposed(graph::Proposal::kContradictsOdometry)},
+          {"no_support", said(graph::LoopVerdict::kGivenUp)}};
+}
+
 template <typename Get>
 TimeSummary stage(const Run& run, Get&& get) {
   std::vector<double> values;
@@ -140,11 +159,13 @@ void write_scan_row(std::FILE* file, const odometry::OdometryResult& result) {
 }  // namespace
 
 ProductWriter::ProductWriter(const std::filesystem::path& directory, double map_spacing_m)
-    : odometry_(open(directory / "odometry.tum")),
+    : map_file_(directory / "map.ply"),
+      map_spacing_m_(map_spacing_m),
+      odometry_(open(directory / "odometry.tum")),
       trajectory_(open(directory / "trajectory.tum")),
       scans_(open(directory / "scans.csv")),
       motions_(open(directory / "motions.csv")),
-      map_(directory / "map.ply"),
+      map_(map_file_),
       seen_(static_cast<float>(map_spacing_m)) {
   write_scan_header(scans_.get());
 }
@@ -152,8 +173,8 @@ ProductWriter::ProductWriter(const std::filesystem::path& directory, double map_
 void ProductWriter::add(const ScanRecord& record, const scan::DeskewedScan& scan, const odometry::MotionStep& motion) {
   const odometry::OdometryResult& result = record.odometry;
   recording::write_tum_line(odometry_.get(), result.stamp, result.T_odom_base);
-  // T_map_odom is identity until there are loops.
-  recording::write_tum_line(trajectory_.get(), result.stamp, result.T_odom_base);
+  poses_.push_back({result.stamp, result.T_odom_base});
+  map_points_of_scan_.push_back(0);
   write_scan_row(scans_.get(), result);
   motion_log_.add(result.stamp, motion);
   if (!result.map_updated && result.scan_index != 0) {
@@ -165,12 +186,43 @@ void ProductWriter::add(const ScanRecord& record, const scan::DeskewedScan& scan
     const Eigen::Vector3f p_map = R * p_imu + t;
     if (map_.points() < kMaxMapPoints && seen_.admit(p_map)) {
       map_.write(p_map);
+      ++map_points_of_scan_.back();
       picture_points_.offer(p_map);
     }
   }
 }
 
-void ProductWriter::close() {
+void ProductWriter::correct_map(const evaluation::Trajectory& odometry) {
+  const std::filesystem::path in_odom = map_file_.string() + ".odom";
+  std::filesystem::rename(map_file_, in_odom);
+  storage::PlyReader reader(in_odom);
+  storage::PlyWriter corrected(map_file_);
+  SeenCubes seen(static_cast<float>(map_spacing_m_));
+  picture_points_ = plot::EvenSample(kMaxPicturePoints);
+  for (std::size_t i = 0; i < odometry.size(); ++i) {
+    const geometry::Se3 T_map_odom = poses_[i].T * odometry[i].T.inverse();
+    for (std::uint32_t k = 0; k < map_points_of_scan_[i]; ++k) {
+      const Eigen::Vector3f p_map = (T_map_odom * reader.read().cast<double>()).cast<float>();
+      if (seen.admit(p_map)) {
+        corrected.write(p_map);
+        picture_points_.offer(p_map);
+      }
+    }
+  }
+  corrected.close();
+  std::filesystem::remove(in_odom);
+}
+
+void ProductWriter::close(const mapping::CorrectedPath* path) {
+  const evaluation::Trajectory odometry = poses_;
+  if (path != nullptr) {
+    for (evaluation::TimedPose& pose : poses_) {
+      pose.T = path->T_map_base(pose.stamp, pose.T);
+    }
+  }
+  for (const evaluation::TimedPose& pose : poses_) {
+    recording::write_tum_line(trajectory_.get(), pose.stamp, pose.T);
+  }
   write_motions(motions_.get(), motion_log_.claims());
   for (auto* stream : {&odometry_, &trajectory_, &scans_, &motions_}) {
     if (std::fclose(stream->release()) != 0) {
@@ -178,6 +230,9 @@ void ProductWriter::close() {
     }
   }
   map_.close();
+  if (path != nullptr) {
+    correct_map(odometry);
+  }
 }
 
 TimeSummary summary_of(std::vector<double> values) {
@@ -201,7 +256,7 @@ evaluation::Trajectory trajectory_of(const Run& run) {
 
 double path_m(const Run& run) { return evaluation::path_length_m(trajectory_of(run)); }
 
-std::string report_json(const Recording& recording, const Run& run, const std::string& accuracy) {
+std::string report_json(const Recording& recording, const Run& run, const MappingSummary* mapping, const std::string& accuracy) {
   std::uint64_t small = 0;
   std::uint64_t recovery = 0;
   std::uint64_t won = 0;
@@ -235,7 +290,11 @@ std::string report_json(const Recording& recording, const Run& run, const std::s
   report["rss_max_mb"] = std::round(10.0 * peak_rss_mb()) / 10.0;
   report["realtime_factor"] = run.wall_s > 0.0 ? std::round(100.0 * run.recording_s / run.wall_s) / 100.0 : 0.0;
   report["swarm"] = {{"small", small}, {"recovery", recovery}, {"won", won}};
-  report["loops"] = {{"candidates", 0}, {"verified", 0}, {"accepted", 0}, {"removed", 0}};
+  report["loops"] = json_of(mapping != nullptr ? mapping->loops : mapping::LoopCounts{});
+  if (mapping != nullptr) {
+    report["stage_ms"]["mapping"] = json_of(summary_of(mapping->ms));
+    report["mapping"] = {{"keyframes", mapping->keyframes}, {"retired", mapping->retired}, {"corrections", mapping->corrections}};
+  }
   report["states"] = states_of(run);
   if (run.alignment) {
     report["start"] = {{"at_rest", run.alignment->at_rest}, {"tilt_std_deg", run.alignment->tilt_std_rad * 180.0 / M_PI}};

@@ -14,17 +14,29 @@
 #include "tools/replay/replay.hpp"
 #include "tools/replay/seen_cubes.hpp"
 
+namespace slamd::mapping {
+class CorrectedPath;
+}
+
 namespace slamd::replay {
 
-/// Writes a run's products while it goes on: odometry.tum, trajectory.tum, scans.csv, map.ply, and motions.csv at its end.
+struct MappingSummary;
+
+/// Writes a run's products while it goes on: odometry.tum, scans.csv, map.ply, and at its end motions.csv and trajectory.tum.
 ///
-/// map.ply holds one point of each cube of the map's spacing, in the order in which they were seen.
+/// map.ply holds one point of each cube of the map's spacing, in the order in which they were seen. Where the map was
+/// corrected it is written again at the end, each point where the correction of its scan puts it, thinned anew.
 class ProductWriter {
  public:
   ProductWriter(const std::filesystem::path& directory, double map_spacing_m);
 
   void add(const ScanRecord& record, const scan::DeskewedScan& scan, const odometry::MotionStep& motion);
-  void close();
+
+  /// `path` has the corrections; nullptr: map is odom.
+  void close(const mapping::CorrectedPath* path);
+
+  /// The poses in map, after close(): T_map_base of each scan.
+  const evaluation::Trajectory& trajectory() const { return poses_; }
 
   /// What the run says of its motions.
   const std::vector<evaluation::MotionClaim>& motions() const { return motion_log_.claims(); }
@@ -36,6 +48,10 @@ class ProductWriter {
   static constexpr std::size_t kMaxMapPoints = 20'000'000;
   static constexpr std::size_t kMaxPicturePoints = 2'000'000;
 
+  void correct_map(const evaluation::Trajectory& odometry);
+
+  std::filesystem::path map_file_;
+  double map_spacing_m_;
   std::unique_ptr<std::FILE, int (*)(std::FILE*)> odometry_;
   std::unique_ptr<std::FILE, int (*)(std::FILE*)> trajectory_;
   std::unique_ptr<std::FILE, int (*)(std::FILE*)> scans_;
@@ -44,10 +60,13 @@ class ProductWriter {
   storage::PlyWriter map_;
   SeenCubes seen_;
   plot::EvenSample picture_points_{kMaxPicturePoints};
+  evaluation::Trajectory poses_;                  // of each scan: in odom, from close() on in map
+  std::vector<std::uint32_t> map_points_of_scan_;  // how many of map.ply
 };
 
-/// Returns report.json for a run; `accuracy` is what evaluation found, as a JSON object, or empty.
-std::string report_json(const Recording& recording, const Run& run, const std::string& accuracy);
+/// Returns report.json for a run; `mapping` is nullptr where it was off, `accuracy` what evaluation found, as a JSON object, or
+/// empty.
+std::string report_json(const Recording& recording, const Run& run, const MappingSummary* mapping, const std::string& accuracy);
 
 /// Returns the poses of a run: T_odom_base.
 evaluation::Trajectory trajectory_of(const Run& run);

@@ -80,13 +80,36 @@ std::string Session::filter_name() const {
 
 void Session::run_with(const std::function<Run(const Sinks&)>& replay, const std::function<void(double)>& progress) {
   ProductWriter writer(directory_, recording_.configuration.output.map_spacing_m);
+  std::optional<MappingRun> mapping;
+  if (recording_.configuration.mapping.use) {
+    mapping.emplace(stages::mapper_config(recording_.configuration), directory_);
+  }
   run_ = replay({[&](const ScanRecord& record, const scan::DeskewedScan& scan, const odometry::MotionStep& motion) {
                    writer.add(record, scan, motion);
+                   if (mapping) {
+                     mapping->add(record, scan, motion);
+                   }
                  },
                  progress});
-  writer.close();
+  mapping_ = mapping ? std::optional(mapping->finish()) : std::nullopt;
+  const mapping::CorrectedPath path(is_corrected() ? mapping_->path : std::vector<mapping::CorrectedKeyframe>());
+  writer.close(is_corrected() ? &path : nullptr);
+  trajectory_ = writer.trajectory();
   motions_ = writer.motions();
   map_points_ = writer.picture_points();
+}
+
+/// The run with its corrected poses: nothing where the map is odom.
+std::optional<report::FilterRun> Session::map_run() const {
+  if (!is_corrected()) {
+    return std::nullopt;
+  }
+  report::FilterRun run{"map", {}, {}};
+  for (const evaluation::TimedPose& pose : trajectory_) {
+    run.scans.emplace_back();
+    run.scans.back().pose = pose;
+  }
+  return run;
 }
 
 void Session::run(const std::function<void(double)>& progress) {
@@ -127,7 +150,12 @@ std::string Session::json() const {
   if (compared_) {
     add(compared_filter_, *compared_);
   }
-  return report_json(recording_, run_, accuracy.is_null() ? std::string() : accuracy.dump());
+  if (const auto corrected = map_run()) {
+    if (const auto found = report::accuracy_of(*corrected, truth_)) {
+      accuracy["map"] = accuracy_json(*found);
+    }
+  }
+  return report_json(recording_, run_, mapping_ ? &*mapping_ : nullptr, accuracy.is_null() ? std::string() : accuracy.dump());
 }
 
 void Session::write_reports() const {
@@ -144,12 +172,22 @@ void Session::write_reports() const {
   if (compared_) {
     content.comparison = filter_run(compared_filter_, *compared_);
   }
+  content.map_run = map_run();
+  content.loops = mapping_ ? mapping_->edges : content.loops;
   content.truth = truth_;
   content.map_points = map_points_;
   content.facts = {{"scans before the start", std::to_string(run_.scans_before_start)},
                    {"times real time", number("%.1f", run_.wall_s > 0.0 ? run_.recording_s / run_.wall_s : 0.0)},
                    {"LiDAR", configuration::name_of(recording_.configuration.lidar.model)}};
   content.counters = {{"Packets", run_.packets}, {"Blocks of points", run_.blocks}, {"Inertial samples", run_.imu}};
+  if (mapping_) {
+    const mapping::LoopCounts& loops = mapping_->loops;
+    content.counters.push_back({"Loops", {{"keyframes", mapping_->keyframes},
+                                          {"candidates", loops.candidates},
+                                          {"verified", loops.verified()},
+                                          {"accepted", loops.accepted()},
+                                          {"removed", loops.removed()}}});
+  }
   content.remarks = run_.remarks;
   content.configuration = configuration::print_configuration(recording_.configuration);
   report::write_report(directory_ / "report.html", content);
@@ -170,6 +208,13 @@ std::string Session::summary() const {
   add(filter_name(), run_);
   if (compared_) {
     add(compared_filter_, *compared_);
+  }
+  if (const auto corrected = map_run()) {
+    text += "  map: " + std::to_string(mapping_->edges.size()) + " loops";
+    if (const auto found = report::accuracy_of(*corrected, truth_)) {
+      text += number(", APE %.4f m", found->ape_m.rmse) + number(", end drift %.4f m", found->end_drift_m);
+    }
+    text += "\n";
   }
   for (const std::string& remark : run_.remarks) {
     text += "  " + remark + "\n";

@@ -5,9 +5,11 @@
 #include <optional>
 #include <string>
 
+#include "tools/replay/mapping_run.hpp"
 #include "tools/replay/output.hpp"
 #include "tools/replay/recording.hpp"
 #include "tools/replay/replay.hpp"
+#include "tools/report/content.hpp"
 
 namespace slamd::replay {
 
@@ -16,7 +18,7 @@ class Session {
  public:
   Session(Recording recording, std::filesystem::path directory);
 
-  /// Maps the recording; writes odometry.tum, trajectory.tum, scans.csv, motions.csv and map.ply. Errors: RecordingError.
+  /// Maps the recording; writes odometry.tum, trajectory.tum, scans.csv, motions.csv, map.ply, and with mapping loop_trials.csv. Errors: RecordingError.
   void run(const std::function<void(double)>& progress);
 
   /// Maps what a source gives in place of a recording's packets, against its truth; writes the same.
@@ -36,6 +38,8 @@ class Session {
 
  private:
   std::string filter_name() const;
+  bool is_corrected() const { return mapping_ && mapping_->corrections > 0; }
+  std::optional<report::FilterRun> map_run() const;
   void run_with(const std::function<Run(const Sinks&)>& replay, const std::function<void(double)>& progress);
 
   Recording recording_;
@@ -44,6 +48,8 @@ class Session {
   Run run_;
   std::vector<evaluation::MotionClaim> motions_;
   std::vector<Eigen::Vector3f> map_points_;
+  std::optional<MappingSummary> mapping_;  // where it is on
+  evaluation::Trajectory trajectory_;      // T_map_base
   std::string compared_filter_;
   std::optional<Run> compared_;
 };

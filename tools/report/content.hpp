@@ -49,8 +49,10 @@ struct ReportContent {
   std::string made_with;  // program and version
   FilterRun run;
   std::optional<FilterRun> comparison;      // a second filter on the same recording
+  std::optional<FilterRun> map_run;         // the run's poses corrected by loops: T_map_base; nothing where map is odom
+  std::vector<std::pair<Eigen::Vector3f, Eigen::Vector3f>> loops;  // that the map believes: their ends, in map
   evaluation::Trajectory truth;             // T_world_base; may be empty
-  std::vector<Eigen::Vector3f> map_points;  // in odom
+  std::vector<Eigen::Vector3f> map_points;  // in map
   std::vector<Fact> facts;                  // of the summary, beyond what the writer derives
   std::vector<CounterGroup> counters;
   std::vector<std::string> remarks;  // what a reader should know first

@@ -60,6 +60,25 @@ Eigen::Vector3f long_axis(const std::vector<Eigen::Vector3f>& points) {
   return {static_cast<float>(axis.x()), static_cast<float>(axis.y()), 0.0F};
 }
 
+/// The poses that belong to the map as it is drawn.
+const FilterRun& drawn_run(const ReportContent& content) { return content.map_run ? *content.map_run : content.run; }
+
+/// The loops as lines of one series, with gaps between them.
+plot::Series loop_series(const ReportContent& content, const plot::Camera& camera) {
+  plot::Series series;
+  series.name = "loops";
+  series.colour = "#e7298a";
+  for (const auto& [a, b] : content.loops) {
+    for (const Eigen::Vector3f* p : {&a, &b}) {
+      series.x.push_back(p->dot(camera.across));
+      series.y.push_back(p->dot(camera.up));
+    }
+    series.x.push_back(series.x.back());
+    series.y.push_back(kNaN);
+  }
+  return series;
+}
+
 plot::Series projected(const std::vector<Eigen::Vector3f>& path,
                        const plot::Camera& camera,
                        const std::string& name) {
@@ -77,7 +96,7 @@ std::string map_view(const Scene& scene,
                      const plot::Camera& camera,
                      plot::LineChart chart,
                      std::string caption) {
-  const auto path = places(scene.content.run);
+  const auto path = places(drawn_run(scene.content));
   const plot::Window window = plot::window_of(scene.content.map_points, path, camera);
   const plot::PointPicture picture =
       plot::picture_of(scene.content.map_points, camera, window, kPictureWidth);
@@ -86,6 +105,9 @@ std::string map_view(const Scene& scene,
   chart.equal_scale = true;
   chart.y_stretch = camera.stretch;
   chart.series = {projected(path, camera, "path of base")};
+  if (!scene.content.loops.empty()) {
+    chart.series.push_back(loop_series(scene.content, camera));
+  }
   caption += " Colours: height, from " + number(picture.colour.low, 1) + " m (violet) to " +
              number(picture.colour.high, 1) + " m (yellow).";
   return figure(plot::svg_of(chart), caption, Shape::kWide);
@@ -293,7 +315,7 @@ std::string map_figures(const Scene& scene) {
   }
   plot::LineChart top;
   top.alt = "Map seen from above, with the path";
-  top.x_label = "x of odom [m]";
+  top.x_label = scene.content.map_run ? "x of map [m]" : "x of odom [m]";
   top.y_label = "y [m]";
   const std::string from_above = map_view(scene, {}, top, "The map from above.");
 
@@ -301,7 +323,7 @@ std::string map_figures(const Scene& scene) {
   camera.across = long_axis(scene.content.map_points);
   camera.up = Eigen::Vector3f::UnitZ();
   const plot::Window window =
-      plot::window_of(scene.content.map_points, places(scene.content.run), camera);
+      plot::window_of(scene.content.map_points, places(drawn_run(scene.content)), camera);
   // A drive is much longer than houses are high.
   camera.stretch = std::clamp(std::ceil(0.25 * window.across.size() / window.up.size()), 1.0, 10.0);
   const auto heading_deg = static_cast<int>(

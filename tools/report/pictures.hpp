@@ -13,6 +13,7 @@ struct Scene {
   const ReportContent& content;
   std::optional<Accuracy> run;  // against truth
   std::optional<Accuracy> comparison;
+  std::optional<Accuracy> map;
 };
 
 /// Returns figures as HTML; those without data are left out (an empty string).

@@ -125,6 +125,10 @@ std::string accuracy_table(const Scene& scene) {
     table.header.push_back(scene.content.comparison->filter);
     columns.push_back(&*scene.comparison);
   }
+  if (scene.map) {
+    table.header.emplace_back("map, after loops");
+    columns.push_back(&*scene.map);
+  }
   const auto row = [&](const std::string& name,
                        const std::function<std::string(const Accuracy&)>& cell) {
     table.rows.push_back({name});
@@ -210,9 +214,12 @@ std::string sections_of_run(const Scene& scene) {
 }  // namespace
 
 std::string html_of(const ReportContent& content) {
-  Scene scene{content, accuracy_of(content.run, content.truth), std::nullopt};
+  Scene scene{content, accuracy_of(content.run, content.truth), std::nullopt, std::nullopt};
   if (content.comparison) {
     scene.comparison = accuracy_of(*content.comparison, content.truth);
+  }
+  if (content.map_run) {
+    scene.map = accuracy_of(*content.map_run, content.truth);
   }
   std::string body = "<h1>" + plot::escaped(content.recording) +
                      "</h1>\n<p class=\"made\">slamd report, made with " +

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "core/base/bytes.hpp"
+#include "drivers/storage/ply_reader.hpp"
 #include "drivers/clouds/point_folder.hpp"
 
 namespace slamd::storage {
@@ -42,6 +43,19 @@ std::string message_of(Action&& action) {
     return error.what();
   }
   return "";
+}
+
+TEST_F(PlyWriterTest, WritesWhatItsReaderReadsBack) {
+  PlyWriter sut(file_);
+  sut.write({1.0F, -2.0F, 3.5F});
+  sut.write({0.0F, 1e-3F, -1e6F});
+  sut.close();
+
+  PlyReader reader(file_);
+
+  EXPECT_EQ(reader.read(), Eigen::Vector3f(1.0F, -2.0F, 3.5F));
+  EXPECT_EQ(reader.read(), Eigen::Vector3f(0.0F, 1e-3F, -1e6F));
+  EXPECT_NE(message_of([&] { reader.read(); }).find("ends"), std::string::npos);
 }
 
 TEST_F(PlyWriterTest, WritesTheCountIntoItsHeaderAndThePointsBehindIt) {

@@ -7,8 +7,10 @@
 
 #include <nlohmann/json.hpp>
 
+#include "core/mapping/corrections.hpp"
 #include "drivers/recording/pcap_reader.hpp"
 #include "drivers/recording/pcap_writer.hpp"
+#include "drivers/storage/ply_reader.hpp"
 #include "tests/scratch/scratch_folder.hpp"
 #include "tools/replay/output.hpp"
 #include "tools/replay/session.hpp"
@@ -204,6 +206,52 @@ TEST_F(Replay, WritesAllThatScriptsRelyOnIntoItsReport) {
   EXPECT_LT(sut["accuracy"]["iekf"]["ape_rmse_m"].get<double>(), 0.05);
   EXPECT_GT(text_of(folder_ / "odometry-iekf.tum").size(), 1000U);
   EXPECT_NE(text_of(folder_ / "report.html").find("</html>"), std::string::npos);
+}
+
+TEST_F(Replay, MapsWithoutMappingAsWithIt) {
+  std::string odometry[2];
+  for (const bool use : {false, true}) {
+    const fs::path out = folder_ / (use ? "with" : "without");
+    fs::create_directories(out);
+    Session session(open_recording(drive_, {}, {use ? "mapping.use=true" : "mapping.use=false"}), out);
+    session.run(nullptr);
+    session.write_reports();
+    odometry[use ? 1 : 0] = text_of(out / "odometry.tum");
+    EXPECT_EQ(fs::exists(out / "loop_trials.csv"), use);
+    EXPECT_EQ(json::parse(text_of(out / "report.json")).contains("mapping"), use);
+    EXPECT_TRUE(text_of(out / "trajectory.tum") == odometry[use ? 1 : 0]) << "no loop: map is odom";
+  }
+
+  EXPECT_GT(odometry[0].size(), 1000U);
+  EXPECT_TRUE(odometry[0] == odometry[1]);
+}
+
+TEST_F(Replay, PutsEachScansPointsWhereItsCorrectionSays) {
+  ScanRecord record;
+  record.odometry.map_updated = true;
+  scan::DeskewedScan scan(scan::PreprocessConfig{});
+  scan.map_points_imu.push_back({1.0F, 2.0F, 3.0F});
+  ProductWriter sut(folder_, 0.1);
+  const geometry::Se3 shift(Eigen::Matrix3d::Identity(), {0.0, 0.5, 0.0});
+  std::vector<mapping::CorrectedKeyframe> keyframes;
+  for (int i = 0; i < 2; ++i) {  // the second scan sees the same point 5 m farther on, and is corrected by half a metre to the side
+    record.odometry.stamp = Stamp{} + std::chrono::seconds(i);
+    record.odometry.T_odom_base = geometry::Se3(Eigen::Matrix3d::Identity(), {5.0 * i, 0.0, 0.0});
+    record.odometry.T_odom_imu = record.odometry.T_odom_base;
+    sut.add(record, scan, odometry::MotionStep{});
+    keyframes.push_back({record.odometry.stamp, record.odometry.T_odom_base,
+                         i == 0 ? record.odometry.T_odom_base : record.odometry.T_odom_base * shift});
+  }
+
+  const mapping::CorrectedPath path(keyframes);
+  sut.close(&path);
+
+  storage::PlyReader map(folder_ / "map.ply");
+  EXPECT_TRUE(map.read().isApprox(Eigen::Vector3f(1.0F, 2.0F, 3.0F), 1e-6F));
+  EXPECT_TRUE(map.read().isApprox(Eigen::Vector3f(6.0F, 2.5F, 3.0F), 1e-6F));
+  EXPECT_NEAR(sut.trajectory()[1].T.translation().y(), 0.5, 1e-12);
+  EXPECT_EQ(text_of(folder_ / "odometry.tum").find("0.500000000"), std::string::npos);
+  EXPECT_FALSE(fs::exists(folder_ / "map.ply.odom"));
 }
 
 TEST(TimeSummaries, GiveMedianPercentilesAndMaximumOfAnyOrder) {
