@@ -16,6 +16,7 @@ Channels::Channels(std::string_view prefix) {
   }
   pose = std::string(prefix) + "_POSE";
   map_to_odom = std::string(prefix) + "_MAP_TO_ODOM";
+  submap_poses = std::string(prefix) + "_SUBMAP_POSES";
   scan = std::string(prefix) + "_SCAN";
   health = std::string(prefix) + "_HEALTH";
   command = std::string(prefix) + "_COMMAND";

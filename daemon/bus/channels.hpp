@@ -18,6 +18,7 @@ struct Channels {
 
   std::string pose;
   std::string map_to_odom;
+  std::string submap_poses;
   std::string scan;
   std::string health;
   std::string command;

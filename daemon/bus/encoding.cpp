@@ -10,6 +10,7 @@
 #include <slamd_lcm/pose_t.hpp>
 #include <slamd_lcm/reply_t.hpp>
 #include <slamd_lcm/scan_chunk_t.hpp>
+#include <slamd_lcm/submap_poses_t.hpp>
 #include <slamd_lcm/truth_t.hpp>
 #include <slamd_lcm/velocity_command_t.hpp>
 
@@ -187,6 +188,59 @@ std::optional<MapToOdom> decode_map_to_odom(std::span<const std::byte> bytes) {
                    .T_map_odom = *T_map_odom,
                    .correction_id = static_cast<std::uint32_t>(message.correction_id),
                    .cause = *cause};
+}
+
+std::size_t encode(const SubmapPoses& submap_poses, std::span<std::byte> buffer) {
+  slamd_lcm::submap_poses_t message{};
+  message.stamp_ns = ns_of(submap_poses.stamp);
+  message.correction_id = static_cast<std::int32_t>(submap_poses.correction_id);
+  message.epoch = static_cast<std::int32_t>(submap_poses.epoch);
+  message.chunk_index = static_cast<std::int16_t>(submap_poses.index);
+  message.chunk_count = static_cast<std::int16_t>(submap_poses.count);
+  message.submap_count = static_cast<std::int16_t>(submap_poses.size);
+  for (std::size_t i = 0; i < submap_poses.size; ++i) {
+    const SubmapPose& submap = submap_poses.submaps[i];
+    slamd_lcm::submap_pose_t& out = message.submaps[i];
+    out.id = static_cast<std::int32_t>(submap.id);
+    out.version = static_cast<std::int32_t>(submap.version);
+    Eigen::Vector3d::Map(out.anchor_odom_m) = submap.anchor_odom;
+    Eigen::Vector3d::Map(out.position_map_m) = submap.T_map_submap.translation();
+    Eigen::Vector4f::Map(out.quaternion_map_submap) = submap.T_map_submap.quaternion().coeffs().cast<float>();
+  }
+  return write(message, buffer);
+}
+
+std::optional<SubmapPoses> decode_submap_poses(std::span<const std::byte> bytes) {
+  slamd_lcm::submap_poses_t message;
+  if (!read(bytes, message)) {
+    return std::nullopt;
+  }
+  const auto full = static_cast<std::int16_t>(SubmapPoses::kSubmaps);
+  const bool last = message.chunk_index == message.chunk_count - 1;
+  if (message.chunk_index < 0 || message.chunk_index >= message.chunk_count || message.submap_count < 0 ||
+      message.submap_count > full || (!last && message.submap_count != full)) {
+    return std::nullopt;
+  }
+  SubmapPoses submap_poses{.stamp = stamp_of(message.stamp_ns),
+                           .correction_id = static_cast<std::uint32_t>(message.correction_id),
+                           .epoch = static_cast<std::uint32_t>(message.epoch),
+                           .index = static_cast<std::uint16_t>(message.chunk_index),
+                           .count = static_cast<std::uint16_t>(message.chunk_count),
+                           .submaps = {},
+                           .size = static_cast<std::size_t>(message.submap_count)};
+  for (std::size_t i = 0; i < submap_poses.size; ++i) {
+    const slamd_lcm::submap_pose_t& in = message.submaps[i];
+    double quaternion_xyzw[4];
+    std::copy(in.quaternion_map_submap, in.quaternion_map_submap + 4, quaternion_xyzw);
+    const auto T_map_submap = read_transform(in.position_map_m, quaternion_xyzw);
+    const Eigen::Vector3d anchor_odom = Eigen::Vector3d::Map(in.anchor_odom_m);
+    if (!T_map_submap || !anchor_odom.allFinite()) {
+      return std::nullopt;
+    }
+    submap_poses.submaps[i] = {static_cast<std::uint32_t>(in.id), static_cast<std::uint32_t>(in.version), anchor_odom,
+                               *T_map_submap};
+  }
+  return submap_poses;
 }
 
 std::size_t encode(const ScanChunk& chunk, std::span<std::byte> buffer) {

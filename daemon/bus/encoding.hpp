@@ -15,6 +15,7 @@ namespace slamd::bus {
 /// Real-time: pose, map_to_odom and chunk do not allocate.
 std::size_t encode(const Pose& pose, std::span<std::byte> buffer);
 std::size_t encode(const MapToOdom& map_to_odom, std::span<std::byte> buffer);
+std::size_t encode(const SubmapPoses& submap_poses, std::span<std::byte> buffer);
 std::size_t encode(const ScanChunk& chunk, std::span<std::byte> buffer);
 std::size_t encode(const Health& health, std::span<std::byte> buffer);
 std::size_t encode(const Command& command, std::span<std::byte> buffer);
@@ -26,6 +27,7 @@ std::size_t encode(const Truth& truth, std::span<std::byte> buffer);
 /// Errors: nothing for what is not exactly one whole message of this type with values in their ranges.
 std::optional<Pose> decode_pose(std::span<const std::byte> message);
 std::optional<MapToOdom> decode_map_to_odom(std::span<const std::byte> message);
+std::optional<SubmapPoses> decode_submap_poses(std::span<const std::byte> message);
 std::optional<ScanChunk> decode_scan_chunk(std::span<const std::byte> message);
 std::optional<Health> decode_health(std::span<const std::byte> message);
 std::optional<Command> decode_command(std::span<const std::byte> message);

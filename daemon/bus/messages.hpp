@@ -74,6 +74,28 @@ struct MapToOdom {
   Correction cause = Correction::kStart;
 };
 
+/// Where a submap lies in map. What a client holds of it stays where it is in the submap.
+/// Frames: T_odom_submap is the anchor's translation, for life.
+struct SubmapPose {
+  std::uint32_t id = 0;
+  std::uint32_t version = 0;  // +1 with each change of T_map_submap
+  Eigen::Vector3d anchor_odom = Eigen::Vector3d::Zero();
+  geometry::Se3 T_map_submap;
+};
+
+/// A message of SubmapPoses: after each correction and once a second.
+struct SubmapPoses {
+  static constexpr std::size_t kSubmaps = 18;
+
+  Stamp stamp{};                    // of sending
+  std::uint32_t correction_id = 0;  // as in MapToOdom
+  std::uint32_t epoch = 0;          // of odom
+  std::uint16_t index = 0;          // of this chunk
+  std::uint16_t count = 1;          // of chunks; all but the last are full
+  std::array<SubmapPose, kSubmaps> submaps;
+  std::size_t size = 0;  // of these: in this chunk
+};
+
 /// A deskewed scan, as the odometry has it after its update. The points are read before publish() returns.
 /// Frames: points_imu as seen from imu at stamp, the scan's end.  Units: m.
 struct Scan {

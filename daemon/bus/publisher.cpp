@@ -20,6 +20,10 @@ bool Publisher::publish(const MapToOdom& map_to_odom) {
   return send(channels_.map_to_odom, map_to_odom_buffer_, encode(map_to_odom, map_to_odom_buffer_));
 }
 
+bool Publisher::publish(const SubmapPoses& submap_poses) {
+  return send(channels_.submap_poses, submap_poses_buffer_, encode(submap_poses, submap_poses_buffer_));
+}
+
 bool Publisher::publish(const Health& health) {
   return send(channels_.health, health_buffer_, encode(health, health_buffer_));
 }

@@ -26,7 +26,7 @@ struct PublisherConfig {
 /// Errors: the constructor throws BusError (no multicast route, bad URL) and std::invalid_argument (prefix).
 /// publish() returns whether LCM took the message, and counts it if not; there is nothing else to do about it.
 /// Threads: each publish() from one thread at a time; different ones may overlap (LCM has a mutex of its own).
-/// Real-time: publish() of pose, map_to_odom and scan does not allocate on udpm; it takes LCM's mutex and sends.
+/// Real-time: publish() of pose, map_to_odom, submap_poses and scan does not allocate on udpm; it takes LCM's mutex and sends.
 /// Health allocates.
 class Publisher {
  public:
@@ -37,6 +37,7 @@ class Publisher {
 
   bool publish(const Pose& pose);
   bool publish(const MapToOdom& map_to_odom);
+  bool publish(const SubmapPoses& submap_poses);
   bool publish(const Health& health);
 
   /// Sends the scan in chunks; returns whether all went.
@@ -58,6 +59,7 @@ class Publisher {
   // scratch, sized once: a buffer for each kind, so that kinds need no lock between them
   Buffer pose_buffer_{};
   Buffer map_to_odom_buffer_{};
+  Buffer submap_poses_buffer_{};
   Buffer scan_buffer_{};
   Buffer health_buffer_{};
 };

@@ -38,6 +38,7 @@ void check(const std::optional<Message>& message) {
 void feed(std::span<const std::byte> message, ScanAssembly& assembly) {
   check(decode_pose(message));
   check(decode_map_to_odom(message));
+  check(decode_submap_poses(message));
   check(decode_health(message));
   check(decode_reply(message));
   check(decode_velocity_command(message));
@@ -59,6 +60,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
   static const std::vector<std::vector<std::byte>> kGood{
       made(Pose{}),        made(MapToOdom{}),
       made(full_health()), made(Reply{.id = 1, .ok = true, .text = "done"}),
+      made(SubmapPoses{}),
       made(Truth{}),       made(VelocityCommand{}),
       made(ScanChunk{}),   made(Command{.id = 1, .verb = "set-pose", .arguments = {"1", "2", "3", "4"}})};
   const std::span<const std::byte> input = std::as_bytes(std::span(bytes, size));

@@ -106,6 +106,40 @@ TEST(Encoding, GivesTheMapToOdomBack) {
   EXPECT_EQ(again->cause, Correction::kCommand);
 }
 
+SubmapPoses made_submap_poses() {
+  SubmapPoses submap_poses{.stamp = Stamp(Duration(7)), .correction_id = 3, .epoch = 2, .index = 1, .count = 2, .submaps = {}, .size = 2};
+  submap_poses.submaps[1] = {.id = 19,
+                             .version = 5,
+                             .anchor_odom = {1.6, -3.2, 0.0},
+                             .T_map_submap = geometry::Se3(Eigen::Quaterniond(0.6, 0.0, 0.0, 0.8), Eigen::Vector3d(1, 2, 3))};
+  return submap_poses;
+}
+
+TEST(Encoding, GivesSubmapPosesBack) {
+  const SubmapPoses sent = made_submap_poses();
+
+  const auto again = decode_submap_poses(encoded(sent));
+
+  ASSERT_TRUE(again);
+  EXPECT_EQ(again->stamp, sent.stamp);
+  EXPECT_EQ(again->correction_id, 3U);
+  EXPECT_EQ(again->epoch, 2U);
+  EXPECT_EQ(again->index, 1U);
+  ASSERT_EQ(again->size, 2U);
+  EXPECT_EQ(again->submaps[1].id, 19U);
+  EXPECT_EQ(again->submaps[1].version, 5U);
+  EXPECT_EQ(again->submaps[1].anchor_odom, sent.submaps[1].anchor_odom);
+  EXPECT_EQ(again->submaps[1].T_map_submap.translation(), sent.submaps[1].T_map_submap.translation());
+  EXPECT_LT((again->submaps[1].T_map_submap.rotation() - sent.submaps[1].T_map_submap.rotation()).norm(), 1e-6);
+}
+
+TEST(Decoding, RefusesSubmapPosesThatAreNotFullButForTheLastChunk) {
+  SubmapPoses submap_poses = made_submap_poses();
+  submap_poses.index = 0;
+
+  EXPECT_FALSE(decode_submap_poses(encoded(submap_poses)));
+}
+
 TEST(Encoding, OfAChunkIsThisSequenceOfBytes) {
   const auto message = encoded(made_chunk());
 
@@ -212,6 +246,7 @@ TEST(Encoding, DoesNotAllocate) {
   SLAMD_NEEDS_ALLOCATION_GUARD();
   const Pose pose = made_pose();
   const MapToOdom map_to_odom;
+  const SubmapPoses submap_poses = made_submap_poses();
   const ScanChunk chunk = made_chunk();
   std::array<std::byte, kLargestMessage_bytes> buffer;
 
@@ -219,6 +254,7 @@ TEST(Encoding, DoesNotAllocate) {
   const std::size_t count = support::count_allocations([&] {
     size += encode(pose, buffer);
     size += encode(map_to_odom, buffer);
+    size += encode(submap_poses, buffer);
     size += encode(chunk, buffer);
   });
 
@@ -261,10 +297,10 @@ TEST(Decoding, RefusesAStringOfImpossibleLength) {
 
 TEST(Decoding, RefusesWhatIsCutShortOrTooLong) {
   const std::vector<std::vector<std::byte>> messages{
-      encoded(made_pose()), encoded(MapToOdom{}), encoded(made_chunk()), encoded(full_health()),
+      encoded(made_pose()), encoded(MapToOdom{}), encoded(made_submap_poses()), encoded(made_chunk()), encoded(full_health()),
       encoded(Command{.id = 1, .verb = "save", .arguments = {"x"}}), encoded(Reply{.id = 1, .ok = true, .text = "x"})};
   const auto any = [](std::span<const std::byte> bytes) {
-    return decode_pose(bytes) || decode_map_to_odom(bytes) || decode_scan_chunk(bytes) || decode_health(bytes) ||
+    return decode_pose(bytes) || decode_map_to_odom(bytes) || decode_submap_poses(bytes) || decode_scan_chunk(bytes) || decode_health(bytes) ||
            decode_command(bytes) || decode_reply(bytes);
   };
   for (auto message : messages) {
@@ -281,7 +317,7 @@ TEST(Decoding, RefusesWhatIsCutShortOrTooLong) {
 TEST(Decoding, SurvivesWhateverStandsInAMessage) {
   std::mt19937 engine(3);
   const std::vector<std::vector<std::byte>> messages{
-      encoded(made_pose()), encoded(MapToOdom{}), encoded(made_chunk()), encoded(full_health()),
+      encoded(made_pose()), encoded(MapToOdom{}), encoded(made_submap_poses()), encoded(made_chunk()), encoded(full_health()),
       encoded(Command{.id = 1, .verb = "save", .arguments = {"x"}}), encoded(Reply{.id = 1, .ok = true, .text = "x"})};
   int understood = 0;
   for (int round = 0; round < 3000; ++round) {
@@ -290,13 +326,13 @@ TEST(Decoding, SurvivesWhateverStandsInAMessage) {
         message[8 + engine() % (message.size() - 8)] = static_cast<std::byte>(engine());
       }
 
-      understood += decode_pose(message) || decode_map_to_odom(message) || decode_scan_chunk(message) ||
+      understood += decode_pose(message) || decode_map_to_odom(message) || decode_submap_poses(message) || decode_scan_chunk(message) ||
                     decode_health(message) || decode_command(message) || decode_reply(message);
     }
   }
 
   EXPECT_GT(understood, 0);
-  EXPECT_LT(understood, 6 * 3000);
+  EXPECT_LT(understood, 7 * 3000);
 }
 
 TEST(Encoding, OfAVelocityCommandIsThisSequenceOfBytes) {
