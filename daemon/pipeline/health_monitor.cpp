@@ -239,6 +239,9 @@ bus::Health HealthMonitor::read(const Pipeline& pipeline, Stamp now, const std::
   health.stages.push_back(stage("odometry", pipeline.odometry().monitor()));
   health.stages.push_back(stage("scan to pose", pipeline.publish().scan_monitor()));
   health.stages.push_back(stage("imu to pose", pipeline.publish().pose_monitor()));
+  if (pipeline.mapping() != nullptr) {
+    health.stages.push_back(stage("mapping", pipeline.mapping()->monitor()));
+  }
   health.pools.push_back(pool_health("blocks", pipeline.rings().block_pool));
   health.pools.push_back(pool_health("scans", pipeline.rings().job_pool));
   const auto count = [&](const char* name, std::uint64_t value) { health.counters.try_push_back({name, value}); };
@@ -265,6 +268,14 @@ bus::Health HealthMonitor::read(const Pipeline& pipeline, Stamp now, const std::
     count("gnss_satellites", fresh ? state.newest.satellites : 0);
     if (state.last_good != Stamp{}) {
       count("gnss_age_ms", static_cast<std::uint64_t>(std::max(Duration{}, now - state.last_good) / std::chrono::milliseconds(1)));
+    }
+  }
+  if (pipeline.mapping() != nullptr) {  // last: with CAN and a receiver there may be no room
+    const MappingCounts mapping = pipeline.mapping()->counts();
+    count("loops", mapping.accepted - mapping.removed);
+    count("keyframes", mapping.keyframes);
+    if (pipeline.publish().counts().scans_unmapped != 0) {
+      count("scans_unmapped", pipeline.publish().counts().scans_unmapped);
     }
   }
   health.swarm_use = odometry.scans == 0 ? 0.0F
@@ -335,6 +346,8 @@ std::string sentence(const threads::EventRecord& record) {
     case Event::kStateChanged:
       return std::string(odometry::name_of(static_cast<odometry::State>(record.value / 256))) + ": " +
              odometry::name_of(static_cast<odometry::Cause>(record.value % 256));
+    case Event::kMapCorrected: return "the map was corrected by loops (correction " + number + ")";
+    case Event::kLoopRemoved: return "loop " + number + " does not agree with the others, and counts no more";
     case Event::kPoseReset: return "the pose was corrected by more than its uncertainty (reset counter " + number + ")";
   }
   return "?";

@@ -37,6 +37,7 @@ void OdometryLoop::process(JobPool::Handle job) {
   job->processed = true;
   const odometry::OdometryResult& result = job->result;
   const odometry::Odometry& odometry = stage_.odometry();
+  job->motion = odometry.motion();
   job->anchor = {odometry.state(), odometry.covariance(), result.state, result.cause, result.weak_axes, job->scan.epoch,
                  result.map_restarts, odometry.shared_errors()};
   rings_.feedback.try_push(stage_.feedback());  // twice as long as the jobs that can be under way

@@ -39,7 +39,10 @@ Pipeline::Pipeline(const Configuration& configuration, const transport::HostCloc
       receive_(configuration, clock, rings_),
       preprocess_(configuration, odometry_config_, clock, rings_),
       odometry_(odometry_config_, clock, rings_),
-      publish_(odometry_config_, configuration.lidar.scan_period, clock, rings_, publisher_) {
+      publish_(odometry_config_, configuration.lidar.scan_period, clock, rings_, publisher_, configuration.mapping.use) {
+  if (configuration.mapping.use) {
+    mapping_ = std::make_unique<MappingLoop>(stages::mapper_config(configuration), clock, rings_, publisher_);
+  }
   if (SerialLine* line = receive_.serial_line(); line != nullptr) {
     serial_ = std::make_unique<SerialLoop>(configuration, clock, *line);
   }
@@ -75,6 +78,9 @@ void Pipeline::start() {
   run("slamd-preproc", 1, preprocess_);
   run("slamd-publish", 2, publish_);
   run("slamd-receive", 3, receive_);
+  if (mapping_) {
+    mapping_thread_ = thread("slamd-mapping", {}, true, *mapping_);  // a search through the graph may take seconds
+  }
   if (serial_) {
     serial_thread_ = thread("slamd-serial", {}, true, *serial_);
   }
@@ -86,6 +92,7 @@ void Pipeline::start() {
 void Pipeline::stop() {
   stopping_ = true;
   threads_.clear();
+  mapping_thread_.reset();
   serial_thread_.reset();
   gnss_thread_.reset();
 }
@@ -123,6 +130,24 @@ bool Pipeline::is_fifo() const {
   return all;
 }
 
+namespace {
+
+/// What mapping keeps, at its limits; less is touched until then.
+void add_mapping(const Configuration& configuration, std::vector<MemoryItem>& plan) {
+  const mapping::MapperConfig mapper = stages::mapper_config(configuration);
+  const graph::NormalEquationsCapacity equations =
+      graph::PoseGraph::equations_capacity({mapper.keyframes, mapper.loops}, mapper.back_end.factor_entries);
+  plan.push_back({"points of keyframes", mapper.keyframes * mapper.points_a_cloud, 3 * sizeof(std::int16_t)});
+  plan.push_back({"keyframes", mapper.keyframes, sizeof(mapping::Keyframe) + sizeof(mapping::Submap) + 2 * sizeof(geometry::Matrix6d)});
+  plan.push_back({"poses of the graph", mapper.keyframes, sizeof(graph::Node) + 5 * sizeof(geometry::Se3) + sizeof(geometry::Matrix6d)});
+  plan.push_back({"loops of the graph", mapper.loops, 2 * sizeof(graph::Loop)});
+  plan.push_back({"entries of the graph's factor", equations.factor_entries, sizeof(double) + sizeof(int)});
+  plan.push_back({"cells of a candidate's submap", mapper.verification.map.max_cells, sizeof(map::PointCell)});
+  plan.push_back({"surfaces of it", mapper.verification.map.max_surface_cells * 7 / 6, sizeof(map::SurfaceCell)});
+}
+
+}  // namespace
+
 std::vector<MemoryItem> memory_plan(const Configuration& configuration) {
   const odometry::OdometryConfig& odometry = configuration.odometry;
   const scan::PreprocessConfig& scan = odometry.preprocess;
@@ -131,11 +156,13 @@ std::vector<MemoryItem> memory_plan(const Configuration& configuration) {
                                 2048 * sizeof(sensor::ImuSample);
   // Per point of a scan: usable, shape, deskewed, candidate, order, place, range, roughness, break, two sampler slots.
   constexpr std::size_t kScratchPerPoint = 1 + 1 + sizeof(Eigen::Vector3f) + 4 + 4 + sizeof(Eigen::Vector3f) + 4 + 4 + 1 + 4 * 16;
-  return {
+  std::vector<MemoryItem> plan = {
       {"packet blocks", blocks_of(configuration), sizeof(sensor::PointBlock)},
       {"scan jobs", Rings::kJobs, job_bytes},
       {"inertial samples in rings", 2 * kImuRing, sizeof(ImuArrival)},
       {"wheel samples in rings", Rings::kWheelSamples, sizeof(sensor::WheelSample)},
+      {"scans for mapping", Rings::kMapScans, sizeof(MapScan)},
+      {"points for mapping", Rings::kMapPoints * scan.max_map_points, sizeof(Eigen::Vector3f)},
       {"scan poses on their way", Rings::kScanPoses, sizeof(ScanPose)},
       {"map cells being copied", Rings::kMapCells, sizeof(map::PointCell)},
       {"inertial samples kept", 3 * 2 * sensor::ImuBufferConfig{}.capacity, sizeof(sensor::ImuSample)},
@@ -145,8 +172,12 @@ std::vector<MemoryItem> memory_plan(const Configuration& configuration) {
       {"map, fine cells", odometry.map.max_cells, sizeof(map::PointCell) + 32 + 2 * sizeof(std::uint32_t)},
       {"map, coarse cells", odometry.map.max_surface_cells + odometry.map.max_surface_cells / 6,
        sizeof(map::SurfaceCell) + 32 + 2 * sizeof(std::uint32_t)},
-      {"thread stacks", 4U + (configuration.imu.source == "serial" ? 1U : 0U) + (configuration.gnss.is_serial() ? 1U : 0U), threads::RealTimeThread::kStackBytes},
+      {"thread stacks", 4U + (configuration.mapping.use ? 1U : 0U) + (configuration.imu.source == "serial" ? 1U : 0U) + (configuration.gnss.is_serial() ? 1U : 0U), threads::RealTimeThread::kStackBytes},
   };
+  if (configuration.mapping.use) {
+    add_mapping(configuration, plan);
+  }
+  return plan;
 }
 
 }  // namespace slamd::pipeline

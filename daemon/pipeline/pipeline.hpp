@@ -8,6 +8,7 @@
 #include "daemon/bus/publisher.hpp"
 #include "daemon/configuration/configuration.hpp"
 #include "daemon/pipeline/gnss_loop.hpp"
+#include "daemon/pipeline/mapping_loop.hpp"
 #include "daemon/pipeline/odometry_loop.hpp"
 #include "daemon/pipeline/preprocess_loop.hpp"
 #include "daemon/pipeline/publish_loop.hpp"
@@ -23,8 +24,9 @@ namespace slamd::pipeline {
 ///
 ///   sockets, ─▶ receive ──blocks────────────▶ preprocess ──jobs──▶ odometry ──jobs──▶ publish ─▶ LCM
 ///   tty, CAN        │  └──inertial, wheels──────▲   ▲───feedback───┘                   ▲
-///                   └──inertial─────────────────────────────────────────────────────────┘
+///                   └──inertial─────────────────────────────────────────────────────────┘  └─scans─▶ mapping ─▶ LCM
 ///
+/// Mapping is no real-time thread: it gets copies of scans as far as there is room, and publish sends what it finds.
 /// A serial port is opened, set and given up by a thread of its own, which may block; receive reads from it meanwhile. A
 /// satellite receiver's port has one to itself; its fixes go to housekeeping alone, by Latest.
 /// Rings and pools: rings.hpp says how long each is and what happens when it is full. A late odometry takes the newest
@@ -58,6 +60,9 @@ class Pipeline {
   const OdometryLoop& odometry() const { return odometry_; }
   const PublishLoop& publish() const { return publish_; }
 
+  /// nullptr where it is off.
+  const MappingLoop* mapping() const { return mapping_.get(); }
+
   /// What the satellite receiver has said, at its serial port or in position packets.
   stages::GnssState gnss() const { return gnss_ ? gnss_->state() : receive_.counts().gnss; }
 
@@ -82,8 +87,11 @@ class Pipeline {
   /// For after the end: what has come of the wheels, by what became of it; empty without them.
   stages::NamedCounts wheels() const;
 
-  /// Sets where odom lies in map. Housekeeping only.
-  void place(const MapPlacement& placement) { publish_.place(placement); }
+  /// Sets where the map as mapping corrects it lies in map. Housekeeping only.
+  void place(const MapPlacement& placement) { rings_.placement.store(placement); }
+
+  /// Where mapping has odom in the map that it corrects; identity as long as there is nothing to correct.
+  MapCorrection correction() const { return rings_.correction.load().value_or(MapCorrection{}); }
 
   /// Lets odom and the map begin anew; returns the number of the epoch, which poses and counts will have. Housekeeping only.
   std::uint32_t begin_epoch() { return rings_.epoch_wanted.fetch_add(1, std::memory_order_relaxed) + 1; }
@@ -128,6 +136,9 @@ class Pipeline {
     drain("preprocess", preprocess_.events());
     drain("odometry", odometry_.events());
     drain("publish", publish_.events());
+    if (mapping_) {
+      drain("mapping", mapping_->events());
+    }
     if (serial_) {
       drain("serial", serial_->events());
     }
@@ -150,12 +161,14 @@ class Pipeline {
   PreprocessLoop preprocess_;
   OdometryLoop odometry_;
   PublishLoop publish_;
+  std::unique_ptr<MappingLoop> mapping_;  // where it is on
   std::unique_ptr<SerialLoop> serial_;  // where the inertial sensor has a serial port
   std::unique_ptr<GnssLoop> gnss_;      // where the receiver has one
   std::atomic<bool> stopping_{false};  // written by stop(), read by all threads
   std::vector<std::unique_ptr<threads::Heartbeat>> heartbeats_;  // one a thread
   // Last: they end before what they work on.
   std::vector<std::unique_ptr<threads::RealTimeThread>> threads_;
+  std::unique_ptr<threads::RealTimeThread> mapping_thread_;
   std::unique_ptr<threads::RealTimeThread> serial_thread_;
   std::unique_ptr<threads::RealTimeThread> gnss_thread_;
 };

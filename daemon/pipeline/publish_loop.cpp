@@ -16,10 +16,8 @@ constexpr Duration kImuSilent = std::chrono::milliseconds(100);
 }  // namespace
 
 PublishLoop::PublishLoop(const odometry::OdometryConfig& config, Duration scan_period, const transport::HostClock& clock,
-                         Rings& rings, bus::Publisher& publisher)
-    : config_(config), clock_(clock), rings_(rings), publisher_(publisher), stage_(config, scan_period) {
-  placement_.store(MapPlacement{});
-}
+                         Rings& rings, bus::Publisher& publisher, bool with_mapping)
+    : config_(config), clock_(clock), rings_(rings), publisher_(publisher), with_mapping_(with_mapping), stage_(config, scan_period) {}
 
 void PublishLoop::run_once(Duration longest) {
   rings_.wake_publish.wait(longest);
@@ -56,6 +54,30 @@ void PublishLoop::take_job(ScanJob& job) {
   publisher_.publish(scan);
   rings_.scan_poses.try_push(ScanPose{job.anchor.epoch, scan.stamp, scan.T_odom_base});
   ++counts_.scans;
+  if (with_mapping_) {
+    hand_to_mapping(job);
+  }
+}
+
+void PublishLoop::hand_to_mapping(const ScanJob& job) {
+  MapScan scan;
+  scan.scan = stages::scan_for_map(job.result, job.motion, job.anchor.epoch);
+  scan.scan.after_gap = gap_to_mapping_;
+  scan.points = rings_.points_pool.acquire();
+  if (scan.points) {
+    scan.points->assign(job.scan.deskewed.map_points_imu.view());
+  } else {
+    ++counts_.clouds_unmapped;
+  }
+  gap_to_mapping_ = !rings_.to_mapping.try_push(std::move(scan));
+  if (gap_to_mapping_) {
+    ++counts_.scans_unmapped;
+    if (scan.points) {
+      rings_.points_pool.put_back(std::move(scan.points));
+    }
+    return;
+  }
+  rings_.wake_mapping.notify();
 }
 
 void PublishLoop::take_imu(const ImuArrival& arrival) {
@@ -101,20 +123,23 @@ void PublishLoop::send(const stages::PredictedPose& pose) {
 }
 
 void PublishLoop::send_placement(Stamp now) {
-  const bool changed = placement_.version() != placement_version_;
-  if (!changed && now - last_placement_sent_ < kPlacementPeriod) {
+  const bool placed = rings_.placement.version() != placement_version_;
+  const bool corrected = rings_.correction.version() != correction_version_;
+  if (!placed && !corrected && now - last_placement_sent_ < kPlacementPeriod) {
     return;
   }
-  placement_version_ = placement_.version();
+  placement_version_ = rings_.placement.version();
+  correction_version_ = rings_.correction.version();
   last_placement_sent_ = now;
-  const MapPlacement placement = *placement_.load();
-  correction_id_ = placement.correction_id;
+  const MapPlacement placement = rings_.placement.load().value_or(MapPlacement{});
+  const MapCorrection correction = rings_.correction.load().value_or(MapCorrection{});
+  cause_ = corrected ? bus::Correction::kLoop : placed ? placement.cause : cause_;
+  correction_id_ = placement.correction_id + correction.correction_id;
   bus::MapToOdom message;
   message.stamp = now;
-  message.T_map_odom = Se3(geometry::rotation_from_rpy({0.0, 0.0, placement.yaw_rad}),
-                           Eigen::Vector3d(placement.x_m, placement.y_m, placement.z_m));
-  message.correction_id = placement.correction_id;
-  message.cause = placement.cause;
+  message.T_map_odom = placement.T_map_corrected() * correction.T_corrected_odom();
+  message.correction_id = correction_id_;
+  message.cause = cause_;
   publisher_.publish(message);
 }
 

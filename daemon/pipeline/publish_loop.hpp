@@ -8,16 +8,6 @@
 
 namespace slamd::pipeline {
 
-/// Where odom lies in map, as a command has set it. Threads: housekeeping stores, publish loads.
-struct MapPlacement {
-  double x_m = 0.0;
-  double y_m = 0.0;
-  double z_m = 0.0;
-  double yaw_rad = 0.0;
-  std::uint32_t correction_id = 0;
-  bus::Correction cause = bus::Correction::kStart;
-};
-
 /// What the publish thread shows.
 struct PublishCounts {
   std::uint64_t poses = 0;
@@ -25,6 +15,8 @@ struct PublishCounts {
   std::uint32_t reset_counter = 0;
   Stamp last_pose{};  // its stamp
   std::uint32_t epoch = 0;  // of its odom; 0: none yet
+  std::uint64_t scans_unmapped = 0;  // mapping was too late for them
+  std::uint64_t clouds_unmapped = 0;  // scans that went to mapping without their points
   // The newest pose, for the health page and for "set-pose".
   double x_m = 0.0;
   double y_m = 0.0;
@@ -33,18 +25,16 @@ struct PublishCounts {
 };
 
 /// The publish thread: a pose for every inertial sample, a scan for every scan, map → odom on change and once a second.
-/// Threads: run_once() by one; place() by one other; counts() by any.
+/// Scans go on to mapping, with a copy of their points, if there is room.
+/// Threads: run_once() by one; counts() by any.
 /// Real-time: allocates in the constructor only, but for LCM itself (platform: none on udpm); takes LCM's mutex.
 class PublishLoop {
  public:
   PublishLoop(const odometry::OdometryConfig& config, Duration scan_period, const transport::HostClock& clock,
-              Rings& rings, bus::Publisher& publisher);
+              Rings& rings, bus::Publisher& publisher, bool with_mapping);
 
   /// Sleeps until there is something to say, at most `longest`, and says it.
   void run_once(Duration longest);
-
-  /// Sets where odom lies in map, from now on.
-  void place(const MapPlacement& placement) { placement_.store(placement); }
 
   PublishCounts counts() const { return shown_.load().value_or(PublishCounts{}); }
   threads::EventRing& events() { return events_; }
@@ -56,17 +46,21 @@ class PublishLoop {
   void take_imu(const ImuArrival& arrival);
   void send(const stages::PredictedPose& pose);
   void send_placement(Stamp now);
+  void hand_to_mapping(const ScanJob& job);
 
   odometry::OdometryConfig config_;
   transport::HostClock clock_;
   Rings& rings_;
   bus::Publisher& publisher_;
+  bool with_mapping_;
+  bool gap_to_mapping_ = false;
   stages::PoseStage stage_;
   Stamp last_placement_sent_{};
   std::uint64_t placement_version_ = 0;
+  std::uint64_t correction_version_ = 0;
+  bus::Correction cause_ = bus::Correction::kStart;
   std::uint32_t correction_id_ = 0;
   PublishCounts counts_;
-  Latest<MapPlacement> placement_;  // written by housekeeping, read here
   // Written by the publish thread, read by health.
   Latest<PublishCounts> shown_;
   threads::EventRing events_;

@@ -2,6 +2,7 @@
 
 #include <atomic>
 
+#include "core/base/latest.hpp"
 #include "core/base/pool.hpp"
 #include "core/base/spsc_queue.hpp"
 #include "core/geometry/se3.hpp"
@@ -9,6 +10,8 @@
 #include "core/sensor/imu_sample.hpp"
 #include "core/sensor/point_block.hpp"
 #include "core/sensor/wheel_sample.hpp"
+#include "daemon/pipeline/map_placement.hpp"
+#include "daemon/stages/mapping_stage.hpp"
 #include "daemon/stages/odometry_stage.hpp"
 #include "daemon/stages/pose_stage.hpp"
 #include "daemon/stages/preprocess_stage.hpp"
@@ -29,6 +32,7 @@ struct ScanJob {
   stages::PreprocessedScan scan;
   bool processed = false;  // false: the odometry was late and let it pass
   odometry::OdometryResult result;
+  odometry::MotionStep motion;  // since the scan before
   stages::Anchor anchor;
 };
 
@@ -37,6 +41,14 @@ struct ScanPose {
   std::uint32_t epoch = 1;
   Stamp stamp{};
   geometry::Se3 T_odom_base;
+};
+
+using PointsPool = Pool<BoundedVector<Eigen::Vector3f>>;
+
+/// A scan on its way to mapping.
+struct MapScan {
+  stages::ScanForMap scan;
+  PointsPool::Handle points;  // in imu; empty: mapping was late, and has as many clouds to read as there are
 };
 
 using BlockPool = Pool<sensor::PointBlock>;
@@ -50,6 +62,7 @@ struct Rings {
   Rings(const odometry::OdometryConfig& config, std::size_t block_count, std::size_t imu_samples)
       : block_pool(block_count),
         job_pool(kJobs, config),
+        points_pool(kMapPoints, config.preprocess.max_map_points),
         blocks(block_count),
         imu_to_preprocess(imu_samples),
         imu_to_publish(imu_samples),
@@ -57,6 +70,7 @@ struct Rings {
         to_odometry(kJobs),
         to_publish(kJobs),
         feedback(2 * kJobs),
+        to_mapping(kMapScans),
         scan_poses(kScanPoses),
         map_cells(kMapCells) {}
 
@@ -67,12 +81,17 @@ struct Rings {
   static constexpr std::size_t kWheelSamples = 256;
   /// Half a minute of scans.
   static constexpr std::size_t kScanPoses = 300;
+  /// Half a minute of scans: so long mapping may think about one of them.
+  static constexpr std::size_t kMapScans = 300;
+  /// Of these, so many with their points.
+  static constexpr std::size_t kMapPoints = 32;
   /// What the odometry copies of its map between two looks of housekeeping.
   static constexpr std::size_t kMapCells = 4096;
 
   // Pools come first: they must outlive the handles in the rings.
   BlockPool block_pool;  // acquired by receive, released by preprocess
   JobPool job_pool;      // acquired by preprocess, released by publish
+  PointsPool points_pool;  // acquired by publish, released by mapping
 
   SpscQueue<BlockPool::Handle> blocks;           // receive    → preprocess
   SpscQueue<ImuArrival> imu_to_preprocess;       // receive    → preprocess
@@ -81,6 +100,11 @@ struct Rings {
   SpscQueue<JobPool::Handle> to_odometry;        // preprocess → odometry
   SpscQueue<JobPool::Handle> to_publish;         // odometry   → publish
   SpscQueue<stages::Feedback> feedback;          // odometry   → preprocess
+
+  SpscQueue<MapScan> to_mapping;                 // publish    → mapping; full: dropped, counted
+
+  Latest<MapPlacement> placement;    // written by housekeeping, read by publish and mapping
+  Latest<MapCorrection> correction;  // written by mapping, read by publish and housekeeping
 
   SpscQueue<ScanPose> scan_poses;                // publish    → housekeeping; full: dropped, the trajectory has a gap
   SpscQueue<map::PointCell> map_cells;           // odometry   → housekeeping; full: the copy goes on later
@@ -92,6 +116,7 @@ struct Rings {
   threads::WakeUp wake_preprocess;
   threads::WakeUp wake_odometry;
   threads::WakeUp wake_publish;
+  threads::WakeUp wake_mapping;
 };
 
 }  // namespace slamd::pipeline

@@ -298,9 +298,7 @@ class Housekeeping {
     return bus::Reply{command.id, false, command.verb + ": this release has no black box yet (see CHANGELOG)"};
   }
 
-  geometry::Se3 T_map_odom() const {
-    return {geometry::rotation_from_rpy({0.0, 0.0, placement_.yaw_rad}), Eigen::Vector3d(placement_.x_m, placement_.y_m, placement_.z_m)};
-  }
+  geometry::Se3 T_map_odom() const { return placement_.T_map_corrected() * pipeline_.correction().T_corrected_odom(); }
 
   /// Forgets odom and its map; map begins where the next odom does.
   std::string new_map() {
@@ -317,16 +315,17 @@ class Housekeeping {
     const double z_m = std::stod(command.arguments[2]);
     const double yaw_rad = std::stod(command.arguments[3]) * M_PI / 180.0;
     const pipeline::PublishCounts pose = pipeline_.publish().counts();
-    placement_.yaw_rad = yaw_rad - pose.yaw_rad;
-    const double c = std::cos(placement_.yaw_rad);
-    const double s = std::sin(placement_.yaw_rad);
-    placement_.x_m = x_m - (c * pose.x_m - s * pose.y_m);
-    placement_.y_m = y_m - (s * pose.x_m + c * pose.y_m);
-    placement_.z_m = z_m - pose.z_m;
+    const geometry::Se3 T_odom_base(geometry::rotation_from_rpy({0.0, 0.0, pose.yaw_rad}), Eigen::Vector3d(pose.x_m, pose.y_m, pose.z_m));
+    const geometry::Se3 T_corrected_base = pipeline_.correction().T_corrected_odom() * T_odom_base;
+    placement_.yaw_rad = yaw_rad - geometry::rpy_from_rotation(T_corrected_base.rotation()).z();
+    const Eigen::Vector3d turned = geometry::rotation_from_rpy({0.0, 0.0, placement_.yaw_rad}) * T_corrected_base.translation();
+    placement_.x_m = x_m - turned.x();
+    placement_.y_m = y_m - turned.y();
+    placement_.z_m = z_m - turned.z();
     ++placement_.correction_id;
     placement_.cause = bus::Correction::kCommand;
     pipeline_.place(placement_);
-    return "map placed, correction " + std::to_string(placement_.correction_id);
+    return "map placed, correction " + std::to_string(placement_.correction_id + pipeline_.correction().correction_id);
   }
 
   Configuration configuration_;  // as in effect: reload() changes it

@@ -42,6 +42,8 @@ enum class Event : std::uint8_t {
   kNewMap,              // by command: odom begins anew
   kStateChanged,        // value: state * 256 + cause
   kPoseReset,           // value: reset counter
+  kMapCorrected,        // value: corrections so far
+  kLoopRemoved,         // value: the loop's number
 };
 
 struct EventRecord {

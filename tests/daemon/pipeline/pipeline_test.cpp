@@ -142,7 +142,9 @@ TEST_F(Live, TracksADriveAndAccountsForEveryPacketAndSample) {
     return counts.lidar.received + counts.lidar.kernel_lost == lidar_packets_ && counts.imu.received + counts.imu.kernel_lost == imu_rows_;
   }));
   EXPECT_TRUE(comes_true([&] { return sut.odometry().counts().scans + sut.odometry().counts().skipped >= 15; }));
+  EXPECT_TRUE(comes_true([&] { return sut.mapping()->counts().scans + sut.publish().counts().scans_unmapped == sut.publish().counts().scans; }));
   sut.stop();
+  EXPECT_EQ(sut.rings().points_pool.exhausted(), sut.publish().counts().clouds_unmapped);
   const OdometryCounts odometry = sut.odometry().counts();
   EXPECT_GE(odometry.scans, 1U);
   EXPECT_NE(odometry.state, odometry::State::kLost);
