@@ -124,7 +124,7 @@ MapperUpdate Mapper::close_keyframe() {
   make_room();
   Open& open = *open_;
   std::optional<graph::GravityFactor> gravity;
-  if (open.up_std_rad > 0.0) {
+  if (config_.use_gravity) {
     gravity = graph::GravityFactor{open.up_base, std::max(open.up_std_rad, config_.least_gravity_std_rad)};
   }
   MapperUpdate result;

@@ -37,6 +37,7 @@ struct MapperConfig {
   std::size_t neighbours = 4;           // at most, to each side
   double quiet_m = 10.0;                // of the way after a loop, unless the place has become uncertain again:
   double certain_std_m = 0.05;
+  bool use_gravity = true;              // false without an inertial sensor: nothing says where up is
   double least_gravity_std_rad = 0.01;  // errors of the vertical last: a keyframe tells hardly more than the one before
   std::size_t kept_at_limit = 100;      // the newest keyframes are not taken out
   NoveltyConfig novelty;
@@ -52,7 +53,7 @@ struct MappedScan {
   geometry::Se3 T_odom_base;
   geometry::Se3 T_odom_imu;
   Eigen::Vector3d up_odom = Eigen::Vector3d::UnitZ();
-  double up_std_rad = 0.0;     // 0: nothing says where up is
+  double up_std_rad = 0.0;
   bool indoor = false;
   bool trusted = false;        // the odometry extended its map by it
   bool after_gap = false;      // scans before it were lost: what the motion's covariance lacks is made up for

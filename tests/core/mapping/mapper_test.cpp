@@ -17,6 +17,7 @@ constexpr double kDrift_rad = 0.0015;  // a step, to one side
 MapperConfig small() {
   MapperConfig config;
   config.keyframes = 120;
+  config.use_gravity = false;
   config.loops = 64;
   config.points_a_cloud = 2'000;
   config.scans_a_cloud = 3;
