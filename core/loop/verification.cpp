@@ -56,14 +56,15 @@ double yaw_between(const Se3& a, const Se3& b) {
 
 const char* name_of(Verdict verdict) {
   static constexpr std::array<const char*, kVerdicts> kNames = {
-      "verified",  "few_points", "little_overlap", "few_inliers",  "large_residual",
-      "ambiguous", "degenerate", "yaw_disagrees",  "far_from_guess"};
+      "verified",  "few_points", "little_overlap", "few_inliers", "large_residual",
+      "seen_through", "ambiguous", "degenerate", "yaw_disagrees", "far_from_guess"};
   return kNames[static_cast<std::size_t>(verdict)];
 }
 
 LoopVerifier::LoopVerifier(const VerificationConfig& config)
     : config_(config),
       map_(config.map),
+      candidate_points_(config.points),
       search_points_(config.search_points),
       refine_points_(config.refine_points),
       modes_(config.modes),
@@ -71,10 +72,14 @@ LoopVerifier::LoopVerifier(const VerificationConfig& config)
       features_(features_only(config.points)),
       association_(features_only(config.points)) {}
 
-void LoopVerifier::set_submap(std::span<const Eigen::Vector3f> points_candidate) {
+void LoopVerifier::set_submap(std::span<const Eigen::Vector3f> points_candidate, std::size_t own) {
   map_.clear();
   map_.insert(points_candidate, 0.0);
   submap_points_ = points_candidate.size();
+  const auto own_points = points_candidate.first(std::min(own, points_candidate.size()));
+  candidate_view_.clear();
+  candidate_view_.add(own_points);
+  take_evenly(own_points, candidate_points_);
 }
 
 double LoopVerifier::score_of(std::span<const Eigen::Vector3f> points_query, const Se3& T_candidate_query, std::size_t level,
@@ -93,6 +98,13 @@ double LoopVerifier::score_of(std::span<const Eigen::Vector3f> points_query, con
     }
   }
   return points_query.empty() ? 0.0 : static_cast<double>(sum) / (kTruncation * static_cast<double>(points_query.size()));
+}
+
+/// The guess's own weight for a mode, its variance doubled: it is believed only half.
+double LoopVerifier::weight_of(const Mode& mode, const LoopProposal& proposal) const {
+  const Eigen::Vector3d off = mode.T_candidate_query.translation() - proposal.T_candidate_query.translation();
+  const double std_m = std::max(proposal.position_std_m, config_.search_step_m / 3.0);
+  return std::exp(-0.25 * off.head<2>().squaredNorm() / (std_m * std_m));
 }
 
 bool LoopVerifier::are_apart(const Se3& a, const Se3& b, double apart_m) const {
@@ -124,6 +136,7 @@ void LoopVerifier::search(const LoopProposal& proposal) {
   };
   const int along = steps(proposal.position_std_m, config_.search_step_m, config_.most_search_m);
   const int around = steps(proposal.yaw_std_rad, config_.search_step_rad, config_.most_search_rad);
+  searched_ = along > 0;
   modes_.clear();
   for (int yaw = -around; yaw <= around; ++yaw) {
     // About the up of the candidate's base, which a ground vehicle's nearly is.
@@ -197,7 +210,7 @@ void LoopVerifier::register_finely(std::span<const Eigen::Vector3f> points_query
 }
 
 Verdict LoopVerifier::judge(const Verification& result, const LoopProposal& proposal, bool is_degenerate) const {
-  if (!(result.overlap >= config_.min_overlap)) {
+  if (!(result.overlap >= (result.searched ? config_.min_overlap_searched : config_.min_overlap))) {
     return Verdict::kLittleOverlap;
   }
   if (!(result.inlier_ratio >= config_.min_inlier_ratio)) {
@@ -206,7 +219,10 @@ Verdict LoopVerifier::judge(const Verification& result, const LoopProposal& prop
   if (!(result.mean_residual_m <= config_.max_mean_residual_m)) {
     return Verdict::kLargeResidual;
   }
-  if (!(result.runner_up <= config_.ambiguity_score)) {
+  if (!(result.seen_through <= config_.max_seen_through)) {
+    return Verdict::kSeenThrough;
+  }
+  if (!(result.runner_up <= config_.ambiguity_score && result.likelier <= 1.0)) {
     return Verdict::kAmbiguous;
   }
   if (is_degenerate) {
@@ -228,16 +244,23 @@ Verification LoopVerifier::verify(std::span<const Eigen::Vector3f> points_query,
   take_evenly(points_query, search_points_);
   take_evenly(points_query, refine_points_);
   search(proposal);
+  result.searched = searched_;
   refine_modes();
-  result.T_candidate_query = modes_[0].T_candidate_query;
-  for (std::size_t i = 1; i < modes_.size(); ++i) {
-    if (are_apart(modes_[0].T_candidate_query, modes_[i].T_candidate_query, config_.apart_m)) {
-      result.runner_up = modes_[i].score / std::max(modes_[0].score, 1e-9);
-      break;
+  const Mode& best = modes_[0];
+  result.T_candidate_query = best.T_candidate_query;
+  for (const Mode& mode : modes_) {
+    if (are_apart(best.T_candidate_query, mode.T_candidate_query, config_.apart_m)) {
+      const double ratio = mode.score / std::max(best.score, 1e-9);
+      result.runner_up = std::max(result.runner_up, ratio);
+      result.likelier = std::max(result.likelier, ratio * weight_of(mode, proposal) / weight_of(best, proposal));
     }
   }
   is_degenerate_ = false;
   register_finely(points_query, result);
+  query_view_.clear();
+  query_view_.add(points_query);
+  result.seen_through = std::max(candidate_view_.seen_through(refine_points_.view(), result.T_candidate_query),
+                                 query_view_.seen_through(candidate_points_.view(), result.T_candidate_query.inverse()));
   result.verdict = judge(result, proposal, is_degenerate_);
   return result;
 }

@@ -14,6 +14,9 @@ constexpr std::size_t kMostProposals = 8;
 /// What a motion over lost scans may be wrong by: m a metre, and rad.
 constexpr double kGapShare = 0.05;
 
+/// So well the filter knows the vertical after the first bends; before, by some ten milliradians.
+constexpr double kKnownVertical_rad = 0.001;
+
 graph::BackEndConfig with_capacity(const MapperConfig& config) {
   graph::BackEndConfig back_end = config.back_end;
   back_end.capacity.keyframes = config.keyframes;
@@ -124,8 +127,10 @@ MapperUpdate Mapper::close_keyframe() {
   make_room();
   Open& open = *open_;
   std::optional<graph::GravityFactor> gravity;
-  if (config_.use_gravity) {
-    gravity = graph::GravityFactor{open.up_base, std::max(open.up_std_rad, config_.least_gravity_std_rad)};
+  // As long as the filter does not know the vertical well, keyframes that say so would bend the way: each says the same
+  // wrong thing. The first must say something, or it would hold odom's own lean.
+  if (config_.use_gravity && (keyframes_.empty() || open.up_std_rad <= kKnownVertical_rad)) {
+    gravity = graph::GravityFactor{open.up_base, std::max(config_.gravity_caution * open.up_std_rad, config_.least_gravity_std_rad)};
   }
   MapperUpdate result;
   trials_.clear();
@@ -214,6 +219,7 @@ void Mapper::gather_submap(std::size_t candidate) {
     keyframes_.append_cloud(i, middle.T_odom_base.inverse() * T_odom_level, submap_points_);
   };
   append(candidate);
+  const std::size_t own = submap_points_.size();
   for (std::size_t k = 1; k <= config_.neighbours; ++k) {
     if (candidate >= k && middle.path_m - keyframes_[candidate - k].path_m <= config_.neighbours_m) {
       append(candidate - k);
@@ -222,7 +228,7 @@ void Mapper::gather_submap(std::size_t candidate) {
       append(candidate + k);
     }
   }
-  verifier_.set_submap(submap_points_.view());
+  verifier_.set_submap(submap_points_.view(), own);
 }
 
 Se3 Mapper::T_map_odom_at(KeyframeId id) const {

@@ -38,7 +38,8 @@ struct MapperConfig {
   double quiet_m = 10.0;                // of the way after a loop, unless the place has become uncertain again:
   double certain_std_m = 0.05;
   bool use_gravity = true;              // false without an inertial sensor: nothing says where up is
-  double least_gravity_std_rad = 0.01;  // errors of the vertical last: a keyframe tells hardly more than the one before
+  double gravity_caution = 3.0;         // times the filter's standard deviation of the vertical, whose errors last:
+  double least_gravity_std_rad = 0.003;  // a keyframe tells hardly more than the one before
   std::size_t kept_at_limit = 100;      // the newest keyframes are not taken out
   NoveltyConfig novelty;
   ProximityConfig proximity;

@@ -13,7 +13,7 @@ namespace slamd::mapping {
 
 /// Which keyframes are looked at again because of where they lie.
 struct ProximityConfig {
-  double reach_share = 0.6;      // of the median range: so far apart two clouds still have enough in common
+  double reach_share = 0.4;      // of the median range: so far apart two clouds still have enough in common
   double least_reach_m = 1.5;
   double most_reach_m = 8.0;
   double sigmas = 3.0;           // of the uncertainty between the two, added to the reach

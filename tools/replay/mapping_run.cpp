@@ -71,7 +71,7 @@ void MappingRun::write_loops() {
   if (!file) {
     throw recording::RecordingError(loops_file_, std::strerror(errno));
   }
-  std::fputs("candidate_ns,query_ns,verdict,overlap,inliers,residual_m,runner_up,guess_x_m,guess_y_m,guess_z_m,guess_std_m,"
+  std::fputs("candidate_ns,query_ns,verdict,overlap,inliers,residual_m,seen_through,runner_up,guess_x_m,guess_y_m,guess_z_m,guess_std_m,"
              "x_m,y_m,z_m,qx,qy,qz,qw,std_x_m,std_y_m,std_z_m,std_roll_rad,std_pitch_rad,std_yaw_rad\n",
              file.get());
   for (const Trial& trial : trials_) {
@@ -80,10 +80,10 @@ void MappingRun::write_loops() {
     const Eigen::Vector3d p = found.T_candidate_query.translation();
     const Eigen::Quaterniond q = found.T_candidate_query.quaternion();
     const geometry::Vector6d std = found.covariance.diagonal().cwiseSqrt();
-    std::fprintf(file.get(), "%lld,%lld,%s,%.3f,%.3f,%.4f,%.3f,%.3f,%.3f,%.3f,%.3f,%.4f,%.4f,%.4f,%.6f,%.6f,%.6f,%.6f,%.4f,%.4f,%.4f,%.5f,%.5f,%.5f\n",
+    std::fprintf(file.get(), "%lld,%lld,%s,%.3f,%.3f,%.4f,%.3f,%.3f,%.3f,%.3f,%.3f,%.3f,%.4f,%.4f,%.4f,%.6f,%.6f,%.6f,%.6f,%.4f,%.4f,%.4f,%.5f,%.5f,%.5f\n",
                  static_cast<long long>(trial.trial.candidate_stamp.time_since_epoch().count()),
                  static_cast<long long>(trial.trial.query_stamp.time_since_epoch().count()), word_of(trial.trial, trial.end),
-                 found.overlap, found.inlier_ratio, found.mean_residual_m, found.runner_up, guess.x(), guess.y(), guess.z(),
+                 found.overlap, found.inlier_ratio, found.mean_residual_m, found.seen_through, found.runner_up, guess.x(), guess.y(), guess.z(),
                  trial.trial.proposal.position_std_m, p.x(), p.y(), p.z(), q.x(), q.y(), q.z(), q.w(), std[0], std[1], std[2],
                  std[3], std[4], std[5]);
   }

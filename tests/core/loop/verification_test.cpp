@@ -17,13 +17,13 @@ Se3 pose_at(double x, double y, double z, double yaw_rad) {
 /// Clouds of a hall, seen from around a candidate and from a query some way off.
 struct LoopVerifierTest : testing::Test {
   LoopVerifierTest() : sut(VerificationConfig{}) {
-    sut.set_submap(submap());
+    sut.set_submap(submap(), 6'400);
     query = room.points_lidar(T_odom_query, 400, 0.02, engine);
   }
 
   std::vector<Eigen::Vector3f> submap() {
     std::vector<Eigen::Vector3f> points;
-    for (const double along_m : {-1.0, 0.0, 1.0}) {
+    for (const double along_m : {0.0, -1.0, 1.0}) {
       const Se3 T_odom_near = T_odom_candidate * pose_at(along_m, 0.0, 0.0, 0.1 * along_m);
       const Eigen::Matrix3f T = (T_odom_candidate.inverse() * T_odom_near).rotation().cast<float>();
       const Eigen::Vector3f t = (T_odom_candidate.inverse() * T_odom_near).translation().cast<float>();
@@ -84,6 +84,24 @@ TEST_F(LoopVerifierTest, RefusesAYawThatIsNotTheProposals) {
   EXPECT_EQ(found.verdict, Verdict::kYawDisagrees);
 }
 
+TEST_F(LoopVerifierTest, RefusesAPoseWhereOneCloudHasLookedThroughTheOther) {
+  std::vector<Eigen::Vector3f> far_wall;
+  std::vector<Eigen::Vector3f> near_wall;
+  for (double y = -6.0; y <= 6.0; y += 0.2) {
+    for (double z = -1.0; z <= 3.0; z += 0.2) {
+      far_wall.emplace_back(10.0F, static_cast<float>(y), static_cast<float>(z));
+      near_wall.emplace_back(4.0F, static_cast<float>(y), static_cast<float>(z));
+    }
+  }
+  View view;
+  view.add(far_wall);
+
+  EXPECT_GT(view.seen_through(near_wall, Se3()), 0.9);
+  EXPECT_EQ(view.seen_through(far_wall, Se3()), 0.0);
+  EXPECT_EQ(view.seen_through(near_wall, pose_at(6.0, 0.0, 0.0, 0.0)), 0.0);
+  EXPECT_EQ(view.seen_through(far_wall, pose_at(20.0, 0.0, 0.0, 0.0)), 0.0) << "behind what was seen anything may be";
+}
+
 /// A corridor of two walls and a floor, a forest of equal shelves between them if wanted.
 std::vector<Eigen::Vector3f> corridor(double shelf_every_m, double shift_m) {
   std::vector<Eigen::Vector3f> points;
@@ -108,7 +126,7 @@ std::vector<Eigen::Vector3f> corridor(double shelf_every_m, double shift_m) {
 
 TEST_F(LoopVerifierTest, CallsABareCorridorDegenerateOrAmbiguous) {
   const std::vector<Eigen::Vector3f> walls = corridor(0.0, 0.0);
-  sut.set_submap(walls);
+  sut.set_submap(walls, walls.size());
   LoopProposal proposal;
   proposal.position_std_m = 1.0;
 
@@ -118,8 +136,8 @@ TEST_F(LoopVerifierTest, CallsABareCorridorDegenerateOrAmbiguous) {
 }
 
 TEST_F(LoopVerifierTest, CallsShelvesThatRepeatAmbiguousWhereTheGuessCannotTellThemApart) {
-  sut.set_submap(corridor(2.7, 0.0));
   const std::vector<Eigen::Vector3f> again = corridor(2.7, 0.0);
+  sut.set_submap(again, again.size());
   LoopProposal proposal;
   proposal.position_std_m = 1.5;
 
