@@ -6,7 +6,7 @@
 
 #include "core/base/assert.hpp"
 #include "core/base/bytes.hpp"
-#include "daemon/bus/crc32.hpp"
+#include "core/base/crc32.hpp"
 
 namespace slamd::bus {
 
@@ -21,7 +21,7 @@ std::uint32_t crc_of(std::uint32_t crc, std::span<const ScanChunk::Point> points
     for (std::size_t i = 0; i < point.size(); ++i) {
       store_be(std::span<std::byte>(bytes), i * sizeof(point[i]), point[i]);
     }
-    crc = crc32(crc, bytes);
+    crc = crc32(bytes, crc);
   }
   return crc;
 }

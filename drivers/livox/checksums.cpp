@@ -1,6 +1,6 @@
 #include "drivers/livox/checksums.hpp"
 
-#include <array>
+#include "core/base/crc32.hpp"
 
 namespace slamd::livox {
 
@@ -9,29 +9,7 @@ namespace {
 constexpr std::uint32_t kSdk1Seed32 = 0x564F580A;  // what the vendor calls "crc32 seed"
 constexpr std::uint16_t kSdk1Seed16 = 0x4C49;
 
-consteval std::array<std::uint32_t, 256> table_of_crc32() {
-  std::array<std::uint32_t, 256> table{};
-  for (std::uint32_t i = 0; i < 256; ++i) {
-    std::uint32_t value = i;
-    for (int bit = 0; bit < 8; ++bit) {
-      value = (value & 1U) != 0 ? value >> 1 ^ 0xEDB88320U : value >> 1;
-    }
-    table[i] = value;
-  }
-  return table;
-}
-
-constexpr std::array<std::uint32_t, 256> kTable = table_of_crc32();
-
 }  // namespace
-
-std::uint32_t crc32(std::span<const std::byte> bytes, std::uint32_t before) {
-  std::uint32_t crc = ~before;
-  for (const std::byte byte : bytes) {
-    crc = crc >> 8 ^ kTable[(crc ^ std::to_integer<std::uint32_t>(byte)) & 0xFFU];
-  }
-  return ~crc;
-}
 
 std::uint32_t sdk1_crc32(std::span<const std::byte> bytes) { return crc32(bytes, kSdk1Seed32); }
 

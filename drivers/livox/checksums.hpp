@@ -6,10 +6,6 @@
 
 namespace slamd::livox {
 
-/// CRC-32 with the polynomial 0x04C11DB7 reflected, xorout 0xFFFFFFFF: zlib's crc32(bytes, before).
-/// With before = 0 it is the ordinary one of SDK2 (check 0xCBF43926).
-std::uint32_t crc32(std::span<const std::byte> bytes, std::uint32_t before = 0);
-
 /// The CRC-32 at the end of an SDK1 frame (check 0xB08DB5B1). Source: livox-sdk1.md §2.1.
 std::uint32_t sdk1_crc32(std::span<const std::byte> bytes);
 

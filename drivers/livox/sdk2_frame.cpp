@@ -4,6 +4,7 @@
 
 #include "core/base/assert.hpp"
 #include "core/base/bytes.hpp"
+#include "core/base/crc32.hpp"
 #include "drivers/livox/checksums.hpp"
 
 namespace slamd::livox {

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "core/base/bytes.hpp"
-#include "drivers/livox/checksums.hpp"
+#include "core/base/crc32.hpp"
 
 namespace slamd::livox {
 

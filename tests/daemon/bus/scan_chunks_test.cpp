@@ -7,7 +7,6 @@
 #include <limits>
 #include <random>
 
-#include "daemon/bus/crc32.hpp"
 
 namespace slamd::bus {
 namespace {
@@ -40,12 +39,6 @@ std::vector<ScanChunk> chunks_of(ScanChunker& chunker, const Scan& scan) {
     chunks.push_back(chunker.chunk(i));
   }
   return chunks;
-}
-
-TEST(Crc32, IsTheOneOfEthernet) {
-  const std::string text = "123456789";  // the check value of every catalogue of CRCs
-
-  EXPECT_EQ(crc32(0, std::as_bytes(std::span(text))), 0xCBF43926U);
 }
 
 TEST(ScanChunker, CutsTheExampleOfTheProtocolAsItIsWritten) {

@@ -5,11 +5,12 @@
 #include <cstdint>
 #include <span>
 
-namespace slamd::bus {
+namespace slamd {
 
-/// Continues a CRC-32 (reflected 0x04C11DB7, as in Ethernet and zlib) over more bytes; begin with 0.
+/// Returns the CRC-32 of Ethernet, zlib and Livox: polynomial 0x04C11DB7 reflected, xorout 0xFFFFFFFF (check 0xCBF43926).
+/// `before`: that of the bytes in front of these, to go on with; or another seed, inverted.
 /// Real-time: no allocation; O(bytes).
-inline std::uint32_t crc32(std::uint32_t crc, std::span<const std::byte> bytes) {
+inline std::uint32_t crc32(std::span<const std::byte> bytes, std::uint32_t before = 0) {
   static constexpr auto kTable = [] {
     std::array<std::uint32_t, 256> table{};
     for (std::uint32_t i = 0; i < table.size(); ++i) {
@@ -21,11 +22,11 @@ inline std::uint32_t crc32(std::uint32_t crc, std::span<const std::byte> bytes) 
     }
     return table;
   }();
-  crc = ~crc;
+  std::uint32_t crc = ~before;
   for (const std::byte byte : bytes) {
     crc = (crc >> 8U) ^ kTable[(crc ^ std::to_integer<std::uint32_t>(byte)) & 0xFFU];
   }
   return ~crc;
 }
 
-}  // namespace slamd::bus
+}  // namespace slamd
