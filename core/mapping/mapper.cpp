@@ -124,7 +124,8 @@ void Mapper::gather(const MappedScan& scan) {
 }
 
 MapperUpdate Mapper::close_keyframe() {
-  make_room();
+  MapperUpdate result;
+  result.retired = make_room();
   Open& open = *open_;
   std::optional<graph::GravityFactor> gravity;
   // As long as the filter does not know the vertical well, keyframes that say so would bend the way: each says the same
@@ -132,7 +133,6 @@ MapperUpdate Mapper::close_keyframe() {
   if (config_.use_gravity && (keyframes_.empty() || open.up_std_rad <= kKnownVertical_rad)) {
     gravity = graph::GravityFactor{open.up_base, std::max(config_.gravity_caution * open.up_std_rad, config_.least_gravity_std_rad)};
   }
-  MapperUpdate result;
   trials_.clear();
   if (back_end_->add_keyframe(open.keyframe.id, open.keyframe.T_odom_base, open.motion_covariance, gravity)) {
     open.keyframe.median_range_m = cloud_.median_range_m();
@@ -153,16 +153,16 @@ MapperUpdate Mapper::close_keyframe() {
   return result;
 }
 
-void Mapper::make_room() {
+std::optional<KeyframeId> Mapper::make_room() {
   if (!keyframes_.full()) {
-    return;
+    return std::nullopt;
   }
   const auto redundant = keyframes_.most_redundant(std::min(config_.kept_at_limit, config_.keyframes / 2),
                                                    [this](std::size_t i) -> const Se3& { return T_map_base(i); });
   if (!redundant) {
-    return;
+    return std::nullopt;
   }
-  const Keyframe& keyframe = keyframes_[*redundant];
+  const Keyframe keyframe = keyframes_[*redundant];
   if (submap_of_ == keyframe.id) {
     submap_of_.reset();
   }
@@ -170,6 +170,7 @@ void Mapper::make_room() {
   submaps_.remove_keyframe(keyframe.submap);
   keyframes_.erase(*redundant);
   ++retired_;
+  return keyframe.id;
 }
 
 void Mapper::propose() {

@@ -95,6 +95,7 @@ struct LoopCounts {
 /// What a scan has changed. Spans are valid until the next call.
 struct MapperUpdate {
   bool keyframe_added = false;
+  std::optional<graph::KeyframeId> retired;  // to make room for it
   std::span<const LoopTrial> trials;
   std::span<const graph::LoopEvent> loops;
   bool corrected = false;  // poses of keyframes have moved: correction_id, T_map_odom and submaps are new
@@ -141,7 +142,7 @@ class Mapper {
   void begin_keyframe(const MappedScan& scan);
   void gather(const MappedScan& scan);
   MapperUpdate close_keyframe();
-  void make_room();
+  std::optional<graph::KeyframeId> make_room();
   void propose();
   void try_loop(const loop::LoopProposal& proposal);
   void gather_submap(std::size_t candidate);

@@ -33,7 +33,7 @@ enum class SessionRecord : std::uint16_t {
 
 /// The first record of each segment.
 struct SessionBegin {
-  std::uint64_t session = 0;   // the same in all segments of a session, another in each session
+  std::uint64_t session = 0;   // the same in all segments of a session, another in each session; 0: of a replay
   std::uint32_t segment = 0;
   std::string sensor;          // the LiDAR's model; at most 63 bytes
   std::string software;        // who wrote it; at most 63 bytes

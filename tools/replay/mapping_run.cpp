@@ -44,10 +44,11 @@ const char* word_of(const mapping::LoopTrial& trial, const std::optional<graph::
 
 }  // namespace
 
-MappingRun::MappingRun(const mapping::MapperConfig& config, const std::filesystem::path& directory)
-    : stage_(config), loops_file_(directory / "loop_trials.csv") {}
+MappingRun::MappingRun(const mapping::MapperConfig& config, const std::filesystem::path& directory, const storage::SessionBegin& begin)
+    : stage_(config), session_(directory / "session", begin, {}), loops_file_(directory / "loop_trials.csv") {}
 
 void MappingRun::note(const mapping::MapperUpdate& update) {
+  session_.note(stage_.mapper(), update);
   for (const mapping::LoopTrial& trial : update.trials) {
     trials_.push_back({trial, std::nullopt});
   }
@@ -94,6 +95,10 @@ void MappingRun::write_loops() {
 
 MappingSummary MappingRun::finish() {
   note(stage_.finish());
+  session_.close();
+  if (const std::string& fault = session_.writer().fault(); !fault.empty()) {
+    throw std::runtime_error(fault);
+  }
   write_loops();
   const mapping::Mapper& mapper = stage_.mapper();
   MappingSummary summary;

@@ -9,6 +9,7 @@
 
 #include "core/mapping/corrections.hpp"
 #include "daemon/stages/mapping_stage.hpp"
+#include "drivers/storage/session_recorder.hpp"
 #include "tools/replay/replay.hpp"
 
 namespace slamd::replay {
@@ -25,14 +26,14 @@ struct MappingSummary {
 };
 
 /// The mapping stage of a replay, in the replay's one thread: what the daemon's mapping thread does, at once after each
-/// scan. Writes loop_trials.csv: a line for each proposal with what registration and graph said of it.
+/// scan. Writes loop_trials.csv: a line for each proposal with what registration and graph said of it; and session/, which slamd-map reads.
 class MappingRun {
  public:
-  MappingRun(const mapping::MapperConfig& config, const std::filesystem::path& directory);
+  MappingRun(const mapping::MapperConfig& config, const std::filesystem::path& directory, const storage::SessionBegin& begin);
 
   void add(const ScanRecord& record, const scan::DeskewedScan& scan, const odometry::MotionStep& motion);
 
-  /// Takes the last keyframe in, writes loop_trials.csv, and says what has come of it all.
+  /// Takes the last keyframe in, writes loop_trials.csv, closes the session, and says what has come of it all.
   MappingSummary finish();
 
  private:
@@ -46,6 +47,7 @@ class MappingRun {
   void write_loops();
 
   stages::MappingStage stage_;
+  storage::SessionRecorder session_;
   std::filesystem::path loops_file_;
   std::vector<Trial> trials_;
   std::vector<double> ms_;

@@ -22,6 +22,8 @@ using odometry::Filter;
 
 namespace {
 
+constexpr std::uint64_t kReplayedSession = 0;  // the same bytes from the same recording
+
 report::FilterRun filter_run(const std::string& filter, const Run& run) {
   report::FilterRun result{filter, {"decode", "preprocess", "odometry"}, {}};
   for (const ScanRecord& record : run.scans) {
@@ -82,7 +84,8 @@ void Session::run_with(const std::function<Run(const Sinks&)>& replay, const std
   ProductWriter writer(directory_, recording_.configuration.output.map_spacing_m);
   std::optional<MappingRun> mapping;
   if (recording_.configuration.mapping.use) {
-    mapping.emplace(stages::mapper_config(recording_.configuration), directory_);
+    const storage::SessionBegin begin{kReplayedSession, 0, configuration::name_of(recording_.configuration.lidar.model), "slamd " SLAMD_VERSION};
+    mapping.emplace(stages::mapper_config(recording_.configuration), directory_, begin);
   }
   run_ = replay({[&](const ScanRecord& record, const scan::DeskewedScan& scan, const odometry::MotionStep& motion) {
                    writer.add(record, scan, motion);
