@@ -5,7 +5,7 @@ _slamd() {
   local cur prev words cword program=$1
   _init_completion -n = || return
 
-  # slamd-ctl and slamd-simulate have commands.
+  # slamd-ctl, slamd-map and slamd-simulate have commands.
   local command='' commands word
   commands=$(_slamd_help "$program" | sed -n '/^Subcommands:/,/^$/s/^  \([a-z][a-z-]*\) .*/\1/p')
   for word in "${words[@]:1:cword-1}"; do
@@ -40,4 +40,4 @@ _slamd() {
     _filedir
   fi
 } &&
-  complete -F _slamd slamd slamd-ctl slamd-status slamd-sensors slamd-replay slamd-evaluate slamd-simulate slamd-import
+  complete -F _slamd slamd slamd-ctl slamd-status slamd-sensors slamd-replay slamd-evaluate slamd-simulate slamd-import slamd-map

@@ -9,7 +9,7 @@
 namespace slamd::map {
 
 struct GridOptions {
-  double resolution_m = 0.1;
+  double resolution_m = 0.2;
   double lowest_m = 0.25;   // above the ground under base: what is lower is driven over
   double highest_m = 1.8;   // what is higher is driven under
   double ground_m = 0.0;    // the ground's height in base's level frame: −(height of base)

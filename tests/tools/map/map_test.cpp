@@ -124,7 +124,7 @@ TEST(NavigationGridTest, ForgetsWhatHasGone) {
   session.keyframes = {with_car, without};
   session.T_map_base = {Se3(), Se3()};
 
-  const NavigationGrid sut = grid_of(session, {});
+  const NavigationGrid sut = grid_of(session, {.resolution_m = 0.1});
 
   EXPECT_EQ(sut.at(4.04, 0.04), Cell::kFree);
   EXPECT_EQ(sut.at(8.04, 0.04), Cell::kOccupied);
