@@ -37,7 +37,7 @@ class FaultInjection : public TemporaryFolder {
   /// What report.json says of a replay.
   static json report_of(const std::filesystem::path& recording, const std::vector<std::string>& overrides = {}) {
     const replay::Recording opened = replay::open_recording(recording, {}, overrides);
-    return json::parse(replay::report_json(opened, replay::replay(opened, {}), ""));
+    return json::parse(replay::report_json(opened, replay::replay(opened, {}), nullptr, ""));
   }
 };
 
