@@ -16,7 +16,8 @@
 
 namespace slamd::replay {
 
-/// Writes a run's products while it goes on: odometry.tum, trajectory.tum, scans.csv, map.ply, and motions.csv at its end.
+/// Writes a run's products while it goes on: odometry.tum, trajectory.tum, scans.csv, silence.csv, map.ply, and motions.csv
+/// at its end.
 ///
 /// map.ply holds one point of each cube of the map's spacing, in the order in which they were seen.
 class ProductWriter {
@@ -24,6 +25,7 @@ class ProductWriter {
   ProductWriter(const std::filesystem::path& directory, double map_spacing_m);
 
   void add(const ScanRecord& record, const scan::DeskewedScan& scan, const odometry::MotionStep& motion);
+  void add_silent(const odometry::OdometryResult& step);
   void close();
 
   /// What the run says of its motions.
@@ -39,6 +41,7 @@ class ProductWriter {
   std::unique_ptr<std::FILE, int (*)(std::FILE*)> odometry_;
   std::unique_ptr<std::FILE, int (*)(std::FILE*)> trajectory_;
   std::unique_ptr<std::FILE, int (*)(std::FILE*)> scans_;
+  std::unique_ptr<std::FILE, int (*)(std::FILE*)> silence_;
   std::unique_ptr<std::FILE, int (*)(std::FILE*)> motions_;
   MotionLog motion_log_;
   storage::PlyWriter map_;

@@ -83,7 +83,7 @@ void Session::run_with(const std::function<Run(const Sinks&)>& replay, const std
   run_ = replay({[&](const ScanRecord& record, const scan::DeskewedScan& scan, const odometry::MotionStep& motion) {
                    writer.add(record, scan, motion);
                  },
-                 progress});
+                 progress, [&](const odometry::OdometryResult& step) { writer.add_silent(step); }});
   writer.close();
   motions_ = writer.motions();
   map_points_ = writer.picture_points();
