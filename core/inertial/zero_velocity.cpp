@@ -63,7 +63,7 @@ bool ZeroVelocityUpdate::update(std::span<const ImuSample> samples,
     return false;
   }
   const double speed_std_mps = std::sqrt(P.diagonal().segment<3>(kVelocity).maxCoeff());
-  if (state.v_odom_imu.norm() + 2.0 * speed_std_mps > config_.sure_below_mps) {
+  if (!samples.empty() && state.v_odom_imu.norm() + 2.0 * speed_std_mps > config_.sure_below_mps) {
     return false;
   }
   using Vector6 = Eigen::Matrix<double, 6, 1>;

@@ -31,7 +31,7 @@ class ZeroVelocityUpdate {
   explicit ZeroVelocityUpdate(const ZeroVelocityConfig& config) : config_(config) {}
 
   /// Updates a state that was propagated to the end of `samples` and `wheels` if these, and it, look like rest. Without
-  /// samples the wheels decide alone.
+  /// samples the wheels decide alone, whatever the filter knew.
   /// Returns whether they do; otherwise nothing changes.
   bool update(std::span<const sensor::ImuSample> samples,
               std::span<const sensor::WheelSample> wheels,

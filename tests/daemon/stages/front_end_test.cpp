@@ -269,7 +269,7 @@ TEST(FrontEnd, TracksAgainAfterAMinuteInWhichNoSensorSpokeAtRest) {
   sut.run(65.0);
 
   ASSERT_GT(sut.results.size(), 15U);
-  EXPECT_EQ(sut.results.front().state, State::kLost);  // it may have been carried away
+  EXPECT_NE(sut.results.front().state, State::kTracking);  // it may have been carried away
   EXPECT_EQ(sut.results.back().state, State::kTracking) << name_of(sut.results.back().cause);
   EXPECT_EQ(sut.results.back().map_restarts, 0U);
   EXPECT_LT(sut.error_m, 0.02);
