@@ -15,7 +15,7 @@ struct ZeroVelocityConfig {
   double sure_below_mps = 0.15;         // the filter must know (2σ) the speed to be less
   double wheels_below_mps = 0.02;       // wheels that turn rule rest out
   double wheels_below_radps = 0.02;
-  double speed_std_mps = 0.01;          // of the pseudo measurement "velocity is zero"
+  double speed_std_mps = 0.003;         // of the pseudo measurement "velocity is zero"
   double rate_std_radps = 5.0e-4;       // and of "the turn rate is zero", beside the gyroscope's noise
   double gate_sq = 20.5;                // χ²₆ at 0.998: what contradicts rest by more is a start
 };
