@@ -151,4 +151,28 @@ void propagate_constant_velocity(NavState& state,
   state.stamp = to;
 }
 
+void propagate_unseen(NavState& state, Covariance& P, Stamp to, const UnseenMotion& motion, Followers* followers) {
+  const double dt_s = to_seconds(to - state.stamp);
+  if (dt_s <= 0.0) {
+    return;
+  }
+  const auto forget = [&](int block) {
+    P.middleRows<3>(block).setZero();
+    P.middleCols<3>(block).setZero();
+    if (followers != nullptr) {
+      followers->middleRows<3>(block).setZero();
+    }
+  };
+  const double way_m = motion.speed_mps * dt_s;
+  add_noise(P, kPosition, way_m * way_m);
+  // Turns are about imu's axes, the heading is about odom's vertical.
+  const Eigen::Vector3d up_imu = -(state.T_odom_imu.rotation().transpose() * state.g_odom).normalized();
+  P.block<3, 3>(kRotation, kRotation) += motion.tilt_rad * motion.tilt_rad * Eigen::Matrix3d::Identity() +
+                                         motion.turn_rad * motion.turn_rad * up_imu * up_imu.transpose();
+  forget(kVelocity);
+  state.v_odom_imu.setZero();
+  add_noise(P, kVelocity, motion.speed_mps * motion.speed_mps);
+  state.stamp = to;
+}
+
 }  // namespace slamd::inertial

@@ -56,6 +56,20 @@ void propagate(NavState& state,
 void propagate_constant_velocity(NavState& state, Covariance& P, Stamp to, const ConstantVelocityNoise& noise,
                                  Followers* followers = nullptr);
 
+/// Longer than this no two samples say what was between them.
+inline constexpr Duration kLongestBridge = std::chrono::seconds(3);
+
+/// What a vehicle may do that nobody watches.
+struct UnseenMotion {
+  double speed_mps = 1.0;          // 1σ of its mean velocity, an axis: a walking pace
+  double turn_rad = 3.0;           // 1σ of its heading
+  double tilt_rad = 0.05;          // and of roll and pitch: other ground
+};
+
+/// Moves a state over a time of which no sensor tells anything: it stays where it is, and the covariance says what that
+/// is worth. The velocity is forgotten, the biases stay.
+void propagate_unseen(NavState& state, Covariance& P, Stamp to, const UnseenMotion& motion, Followers* followers = nullptr);
+
 /// Returns the mean of two samples, which stands for the interval between them.
 sensor::ImuSample mean_of(const sensor::ImuSample& a, const sensor::ImuSample& b);
 

@@ -44,6 +44,7 @@ Odometry::Odometry(const OdometryConfig& config)
       psf_(config.psf, config.seed),
       environment_(config.environment, config.indoor_below_m, config.outdoor_above_m),
       wheels_(config.wheel),
+      zero_velocity_(config.zero_velocity),
       association_(config.preprocess),
       points_odom_(config.preprocess.max_map_points),
       swarm_points_imu_(config.psf.points) {}
@@ -62,7 +63,7 @@ void Odometry::begin() {
   rate_imu_radps_.setZero();
   wheels_.separate(0, inertial::kErrorStates);  // the scale is the vehicle's, and stays
   waiting_gyro_bias_.setZero();
-  coasting_ = false;
+  coasting_ = between_scans_ = false;
   path_m_ = 0.0;
   bad_scans_ = 0;
   confirmed_ = true;
@@ -91,7 +92,10 @@ OdometryResult Odometry::process(const DeskewedScan& scan,
                                  std::span<const sensor::ImuSample> samples,
                                  std::span<const sensor::WheelSample> wheels) {
   environment_.add(scan.median_range_m);
-  wheels_.begin_transition();
+  if (!between_scans_) {
+    wheels_.begin_transition();
+  }
+  between_scans_ = false;
   const NavState before = state_;
   const Cause prediction_cause = predict(scan.end, samples, wheels);             // 1
   if (map_.empty()) {
@@ -145,6 +149,28 @@ OdometryResult Odometry::process(const DeskewedScan& scan,
   return result;
 }
 
+OdometryResult Odometry::go_on_without_scan(Stamp to, std::span<const sensor::ImuSample> samples,
+                                            std::span<const sensor::WheelSample> wheels) {
+  if (!between_scans_) {
+    wheels_.begin_transition();
+  }
+  between_scans_ = true;
+  predict(to, samples, wheels);
+  hold_at_rest(samples, wheels);
+  OdometryResult result = pose_result(to);
+  result.cause = Cause::kNoLidar;
+  result.state = is_lost() ? State::kLost : State::kDegraded;
+  return result;
+}
+
+void Odometry::hold_at_rest(std::span<const sensor::ImuSample> samples, std::span<const sensor::WheelSample> wheels) {
+  const NavState predicted = state_;
+  const inertial::Covariance P_predicted = P_;
+  if (zero_velocity_.update(samples, wheels, config_.imu_noise, state_, P_)) {
+    wheels_.follow(predicted, P_predicted, state_, P_);
+  }
+}
+
 // Beside the odometry: see core/calibration.
 void Odometry::check_lidar_imu(const NavState& before, bool by_imu, const UpdateResult& posterior) {
   if (!by_imu || !confirmed_) {
@@ -162,6 +188,9 @@ Cause Odometry::predict(Stamp to,
   const bool by_imu = !samples.empty();
   Cause cause = by_imu || !config_.use_imu ? Cause::kNone : Cause::kNoImu;
   coast(!by_imu);
+  if (pass_unseen(to, samples, wheels)) {
+    cause = config_.use_imu ? Cause::kImuGap : cause;
+  }
   for (const sensor::WheelSample& wheel : wheels) {
     if (wheel.stamp <= state_.stamp || wheel.stamp > to) {
       continue;
@@ -185,6 +214,26 @@ Cause Odometry::predict(Stamp to,
   }
   path_m_ += (state_.T_odom_imu.translation() - before).norm();
   return cause;
+}
+
+// Where neither inertial sensor nor wheels tell of a long time, integrating the two samples at its ends would be invention.
+bool Odometry::pass_unseen(Stamp to, std::span<const sensor::ImuSample> samples, std::span<const sensor::WheelSample> wheels) {
+  Stamp heard = to;
+  for (const sensor::WheelSample& wheel : wheels) {
+    heard = wheel.stamp > state_.stamp ? std::min(heard, wheel.stamp) : heard;
+  }
+  for (const sensor::ImuSample& sample : samples) {
+    heard = sample.stamp > state_.stamp ? std::min(heard, sample.stamp) : heard;
+  }
+  if (heard - state_.stamp <= inertial::kLongestBridge) {
+    return false;
+  }
+  inertial::propagate_unseen(state_, P_, heard, config_.unseen, &wheels_.followers());
+  if (samples.empty()) {
+    state_.gyro_bias.setZero();  // it holds −ω here
+    rate_imu_radps_.setZero();
+  }
+  return true;
 }
 
 void Odometry::propagate(Stamp to, std::span<const sensor::ImuSample> samples) {
@@ -319,62 +368,75 @@ std::span<const Eigen::Vector3f> Odometry::swarm_points(const DeskewedScan& scan
   return swarm_points_imu_.view();
 }
 
-OdometryResult Odometry::result_of(const DeskewedScan& scan, Cause cause, const UpdateResult& update) {
+Matrix6d Odometry::base_error_by_imu() const {
+  // δp_base = δp_imu − R [t]× δθ_imu and δθ_base = R_base_imu δθ_imu.
+  Matrix6d J = Matrix6d::Identity();
+  J.topRightCorner<3, 3>() =
+      -state_.T_odom_imu.rotation() * geometry::skew(config_.T_base_imu.inverse().translation());
+  J.bottomRightCorner<3, 3>() = config_.T_base_imu.rotation();
+  return J;
+}
+
+OdometryResult Odometry::pose_result(Stamp stamp) const {
   OdometryResult result;
-  result.scan_index = scan.index;
-  result.stamp = scan.end;
-  result.cause = cause;
-  result.state = next_state(cause);
+  result.stamp = stamp;
   result.T_odom_imu = state_.T_odom_imu;
   const Se3 T_imu_base = config_.T_base_imu.inverse();
   result.T_odom_base = state_.T_odom_imu * T_imu_base;
-  const Eigen::Matrix3d& R_odom_imu = state_.T_odom_imu.rotation();
-  result.v_odom_base = state_.v_odom_imu + R_odom_imu * rate_imu_radps_.cross(T_imu_base.translation());
-  // δp_base = δp_imu − R [t]× δθ_imu and δθ_base = R_base_imu δθ_imu.
-  Matrix6d J = Matrix6d::Identity();
-  J.topRightCorner<3, 3>() = -R_odom_imu * geometry::skew(T_imu_base.translation());
-  J.bottomRightCorner<3, 3>() = config_.T_base_imu.rotation();
+  result.v_odom_base =
+      state_.v_odom_imu + state_.T_odom_imu.rotation() * rate_imu_radps_.cross(T_imu_base.translation());
+  const Matrix6d J = base_error_by_imu();
+  result.P_odom_base = J * P_.block<6, 6>(kPosition, kPosition) * J.transpose() + shared_errors_;
+  result.up_odom = -state_.g_odom.normalized();
+  result.up_std_rad = std::sqrt(P_.diagonal().segment<2>(inertial::kGravity).maxCoeff());
+  result.map_restarts = map_restarts_;
+  result.indoor = environment_.indoor();
+  return result;
+}
+
+OdometryResult Odometry::result_of(const DeskewedScan& scan, Cause cause, const UpdateResult& update) {
+  const State state = next_state(cause);
+  note_uncertainty(static_cast<double>(scan.median_range_m), update);
+  OdometryResult result = pose_result(scan.end);
+  result.scan_index = scan.index;
+  result.cause = cause;
+  result.state = state;
   result.localisability = update.localisability;
   if (update.enough) {
     result.weak_axes = weak_axes(update.localisability, Eigen::Matrix3d::Identity());
     result.weak_axes_base = weak_axes(update.localisability, result.T_odom_base.rotation().transpose());
   }
-  result.map_restarts = map_restarts_;
-  result.indoor = environment_.indoor();
   result.update = update;
-  note_uncertainty(static_cast<double>(scan.median_range_m), J, result);
   gravity_check_.add(result.T_odom_base, result.up_odom);
   return result;
 }
 
-void Odometry::note_uncertainty(double median_range_m, const Matrix6d& J_base_imu, OdometryResult& result) {
-  const UpdateResult& update = result.update;
+void Odometry::note_uncertainty(double median_range_m, const UpdateResult& update) {
+  const Matrix6d J_base_imu = base_error_by_imu();
+  const Se3 T_odom_base = state_.T_odom_imu * config_.T_base_imu.inverse();
   Eigen::Matrix<double, inertial::kFilterStates, 6> P_pose;  // of all states with the pose of the imu
   P_pose << P_.middleCols<6>(kPosition), wheels_.cross().head<6>().transpose();
   if (update.enough) {
     P_pose = with_true_noise(P_pose, config_.update.information_share * update.information);
   }
-  const Se3 T_last_base = motion_.T_odom_base.inverse() * result.T_odom_base;
+  const Se3 T_last_base = motion_.T_odom_base.inverse() * T_odom_base;
   motion_.drift_base.setZero();
   motion_.blind_odom.setZero();
   if (update.enough && confirmed_) {
-    motion_.drift_base = map_drift(update.information, result.T_odom_base, J_base_imu, T_last_base, median_range_m);
+    motion_.drift_base = map_drift(update.information, T_odom_base, J_base_imu, T_last_base, median_range_m);
     motion_.blind_odom = blind_way(update.localisability.weak,
-                                   result.T_odom_base.translation() - motion_.T_odom_base.translation(), blind_share(update));
+                                   T_odom_base.translation() - motion_.T_odom_base.translation(), blind_share(update));
   }
-  if (result.map_restarts != said_restarts_) {
-    said_restarts_ = result.map_restarts;  // the new map stands where the pose was believed to be
-    motion_.drift_base += in_base_axes(J_base_imu * P_pose.topRows<6>() * J_base_imu.transpose(), result.T_odom_base);
+  if (map_restarts_ != said_restarts_) {
+    said_restarts_ = map_restarts_;  // the new map stands where the pose was believed to be
+    motion_.drift_base += in_base_axes(J_base_imu * P_pose.topRows<6>() * J_base_imu.transpose(), T_odom_base);
   }
   motion_.transition = wheels_.transition();
   motion_.P_filter_base = P_pose * J_base_imu.transpose();
   motion_.J_base_imu = J_base_imu;
-  drift_.add(motion_.T_odom_base, result.T_odom_base, motion_.drift_base, motion_.blind_odom);
-  motion_.T_odom_base = result.T_odom_base;
+  drift_.add(motion_.T_odom_base, T_odom_base, motion_.drift_base, motion_.blind_odom);
+  motion_.T_odom_base = T_odom_base;
   shared_errors_ = drift_.covariance() + errors_of_all_points();
-  result.P_odom_base = J_base_imu * P_.block<6, 6>(kPosition, kPosition) * J_base_imu.transpose() + shared_errors_;
-  result.up_odom = -state_.g_odom.normalized();
-  result.up_std_rad = std::sqrt(P_.diagonal().segment<2>(inertial::kGravity).maxCoeff());
 }
 
 // Along a weak direction the map was laid as the wheels had it, and so confirms their scale, however wrong: what counts
@@ -392,10 +454,18 @@ double Odometry::blind_share(const UpdateResult& update) {
 State Odometry::next_state(Cause cause) {
   const bool bad = cause == Cause::kFewConstraints || cause == Cause::kFewInliers || cause == Cause::kLargeInnovation;
   bad_scans_ = bad ? bad_scans_ + 1 : 0;
-  if (bad_scans_ > config_.lost_after || unconfirmed_scans_ > config_.lost_unconfirmed_after) {
+  if (is_lost()) {
     return State::kLost;
   }
   return cause == Cause::kNone ? State::kTracking : State::kDegraded;
+}
+
+// Lost is also who no longer knows within a recovery swarm's reach where he is, and whom no scan has told since.
+bool Odometry::is_lost() const {
+  const auto std_of = [&](int block) { return std::sqrt(P_.diagonal().segment<3>(block).maxCoeff()); };
+  const bool astray = std_of(kPosition) > config_.lost_position_std_m || std_of(kRotation) > config_.lost_rotation_std_rad;
+  return bad_scans_ > config_.lost_after || unconfirmed_scans_ > config_.lost_unconfirmed_after ||
+         (astray && (between_scans_ || !confirmed_));
 }
 
 }  // namespace slamd::odometry

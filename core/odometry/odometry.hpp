@@ -63,6 +63,13 @@ class Odometry {
                          std::span<const sensor::ImuSample> samples,
                          std::span<const sensor::WheelSample> wheels = {});
 
+  /// Goes on to `to` without a scan, where none has come for a while: from the inertial sensor and the wheels, and held
+  /// where these say that the vehicle stands. Of the result only stamp, state, cause, poses, velocity, the vertical and
+  /// P_odom_base are set. DEGRADED, and LOST once the covariance is beyond what a recovery swarm searches.
+  /// Real-time: no allocation; O(samples · 17³).
+  OdometryResult go_on_without_scan(Stamp to, std::span<const sensor::ImuSample> samples,
+                                    std::span<const sensor::WheelSample> wheels = {});
+
   /// What the last scan adds to the covariance of motions: see MotionCovariance.
   const MotionStep& motion() const { return motion_; }
 
@@ -93,6 +100,8 @@ class Odometry {
   void begin();
   Cause predict(Stamp to, std::span<const sensor::ImuSample> samples, std::span<const sensor::WheelSample> wheels);
   void propagate(Stamp to, std::span<const sensor::ImuSample> samples);
+  bool pass_unseen(Stamp to, std::span<const sensor::ImuSample> samples, std::span<const sensor::WheelSample> wheels);
+  void hold_at_rest(std::span<const sensor::ImuSample> samples, std::span<const sensor::WheelSample> wheels);
   void check_lidar_imu(const inertial::NavState& before, bool by_imu, const UpdateResult& posterior);
   void coast(bool without_imu);
   bool is_jump(const geometry::Se3& T_odom_imu_predicted, const geometry::Se3& T_odom_imu) const;
@@ -101,10 +110,13 @@ class Odometry {
   Cause contradiction_of(const UpdateResult& update) const;
   Cause judge(const UpdateResult& update) const;
   void extend_map(const scan::DeskewedScan& scan);
+  geometry::Matrix6d base_error_by_imu() const;
+  OdometryResult pose_result(Stamp stamp) const;
   OdometryResult result_of(const scan::DeskewedScan& scan, Cause cause, const UpdateResult& update);
-  void note_uncertainty(double median_range_m, const geometry::Matrix6d& J_base_imu, OdometryResult& result);
+  void note_uncertainty(double median_range_m, const UpdateResult& update);
   double blind_share(const UpdateResult& update);
   State next_state(Cause cause);
+  bool is_lost() const;
   std::span<const Eigen::Vector3f> swarm_points(const scan::DeskewedScan& scan);
 
   OdometryConfig config_;
@@ -115,6 +127,8 @@ class Odometry {
   inertial::NavState state_;
   inertial::Covariance P_ = inertial::Covariance::Identity();
   inertial::WheelUpdate wheels_;
+  inertial::ZeroVelocityUpdate zero_velocity_;
+  bool between_scans_ = false;  // the last step was without a scan: the transition still counts from the last scan on
   Eigen::Vector3d rate_imu_radps_ = Eigen::Vector3d::Zero();  // at the last scan's end
   bool coasting_ = false;  // the inertial sensor is configured, but silent
   Eigen::Vector3d waiting_gyro_bias_ = Eigen::Vector3d::Zero();

@@ -7,6 +7,7 @@
 #include "core/inertial/propagation.hpp"
 #include "core/inertial/start_up_alignment.hpp"
 #include "core/inertial/wheel_update.hpp"
+#include "core/inertial/zero_velocity.hpp"
 #include "core/map/voxel_map.hpp"
 #include "core/odometry/iterated_update.hpp"
 #include "core/psf/particle_swarm_filter.hpp"
@@ -33,6 +34,8 @@ struct OdometryConfig {
   inertial::ConstantVelocityNoise constant_velocity;
   inertial::WheelConfig wheel;
   inertial::StartUpConfig start_up;
+  inertial::ZeroVelocityConfig zero_velocity;
+  inertial::UnseenMotion unseen;
   scan::PreprocessConfig preprocess;
   map::VoxelMapConfig map;
   UpdateConfig update;
@@ -50,6 +53,8 @@ struct OdometryConfig {
   int confirming_scans = 3;            // that agree in a row
   int lost_after = 20;                 // scans without a trustworthy update
   int lost_unconfirmed_after = 50;     // scans without confirmation
+  double lost_position_std_m = 2.0;    // beyond it a recovery swarm does not search: without a scan the pose is lost
+  double lost_rotation_std_rad = 20.0 * M_PI / 180.0;
   int restart_map_unmet_after = 10;    // scans that hardly meet the old map: there is nothing to wait for
   int restart_map_after = 200;         // then the map goes on where the pose is believed to be; it is said
   int say_restart_for = 100;           // scans

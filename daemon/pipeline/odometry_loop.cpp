@@ -23,17 +23,22 @@ void OdometryLoop::run_once(Duration longest) {
       process(std::move(*job));
       return;
     }
-    stage_.skip((*job)->scan);
-    ++counts_.skipped;
-    events_.write(clock_.now(), Event::kScanSkipped, counts_.skipped);
-    hand_on(std::move(*job));
+    if ((*job)->scan.without_scan || (*newer)->scan.without_scan) {
+      process(std::move(*job));  // it is cheap, or no newer scan
+    } else {
+      stage_.skip((*job)->scan);
+      ++counts_.skipped;
+      events_.write(clock_.now(), Event::kScanSkipped, counts_.skipped);
+      hand_on(std::move(*job));
+    }
     job = std::move(newer);
   }
 }
 
 void OdometryLoop::process(JobPool::Handle job) {
   const Stamp begin = clock_.now();
-  job->result = stage_.process(job->scan);
+  const bool has_scan = !job->scan.without_scan;
+  job->result = has_scan ? stage_.process(job->scan) : stage_.go_on_without_scan(job->scan);
   job->processed = true;
   const odometry::OdometryResult& result = job->result;
   const odometry::Odometry& odometry = stage_.odometry();
@@ -46,23 +51,25 @@ void OdometryLoop::process(JobPool::Handle job) {
     events_.write(begin, Event::kStateChanged,
                   256 * static_cast<std::uint64_t>(result.state) + static_cast<std::uint64_t>(result.cause));
   }
-  ++counts_.scans;
+  counts_.scans += has_scan ? 1 : 0;
   counts_.recoveries += result.swarm.recovery ? 1 : 0;
   counts_.swarm_won += result.swarm.swarm_won ? 1 : 0;
   counts_.map_recycled = odometry.map().recycled();
   counts_.wheels_used = odometry.wheels().counts().used;
   counts_.wheels_slipped = odometry.wheels().counts().slipped;
   counts_.map_cells = static_cast<std::uint32_t>(odometry.map().cells());
-  counts_.particles = result.swarm.particles;
+  if (has_scan) {
+    counts_.particles = result.swarm.particles;
+    counts_.inlier_ratio = result.update.inlier_ratio;
+    counts_.last = result.stamp;
+  }
   counts_.state = result.state;
   counts_.cause = result.cause;
   counts_.weak_axes = result.weak_axes;
   counts_.weak_axes_base = result.weak_axes_base;
-  counts_.inlier_ratio = result.update.inlier_ratio;
-  if (counts_.scans % kScansAnAgreement == 0) {
+  if (has_scan && counts_.scans % kScansAnAgreement == 0) {
     counts_.agreement = odometry.agreement();
   }
-  counts_.last = result.stamp;
   counts_.epoch = job->scan.epoch;
   shown_.store(counts_);
 

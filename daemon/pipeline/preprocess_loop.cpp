@@ -38,6 +38,7 @@ void PreprocessLoop::run_once(Duration longest) {
   release(clock_.now());
   take_blocks();
   release(clock_.now());
+  go_on_without_scan();
   show();
 }
 
@@ -96,7 +97,8 @@ void PreprocessLoop::process(const sensor::Scan& scan, Stamp received, Stamp now
     }
   }
   if (!stage_.process(scan, job_->scan)) {
-    return;  // still starting
+    counts_.scans_dropped += stage_.started() ? 1 : 0;  // it came too late
+    return;                                             // or it is too early
   }
   job_->processed = false;
   job_->scan.received = received;
@@ -107,6 +109,20 @@ void PreprocessLoop::process(const sensor::Scan& scan, Stamp received, Stamp now
   rings_.wake_odometry.notify();
   const Stamp end = clock_.now();
   monitor_.add(end - now, end);
+}
+
+void PreprocessLoop::go_on_without_scan() {
+  while (!waiting_.is_waiting()) {
+    if (!job_) {
+      job_ = rings_.job_pool.acquire();
+    }
+    if (!job_ || !stage_.go_on_without_scan(job_->scan)) {
+      return;  // without a job the step waits: it needs no memory
+    }
+    job_->processed = false;
+    rings_.to_odometry.try_push(std::move(job_));  // as long as its pool: there is room
+    rings_.wake_odometry.notify();
+  }
 }
 
 void PreprocessLoop::show() {

@@ -18,7 +18,7 @@ struct PreprocessCounts {
   std::uint64_t scans_incomplete = 0;  // of these: packets were missing
   std::uint64_t blocks_missing = 0;    // by the gaps between stamps
   std::uint64_t blocks_refused = 0;
-  std::uint64_t scans_dropped = 0;     // no free job: publish or odometry is stuck
+  std::uint64_t scans_dropped = 0;     // no free job: publish or odometry is stuck; or the scan came too late
   std::uint64_t imu_late = 0;          // scans that went on without the samples up to their end
   std::uint64_t late_feedback = 0;     // scans deskewed with an older state than k−2
   std::uint64_t imu_refused = 0;
@@ -49,6 +49,7 @@ class PreprocessLoop {
   void take_blocks();
   void release(Stamp now);
   void process(const sensor::Scan& scan, Stamp received, Stamp now);
+  void go_on_without_scan();
   void show();
 
   const odometry::OdometryConfig config_;

@@ -43,6 +43,9 @@ void PublishLoop::take_job(ScanJob& job) {
       send(*pose);
     }
   }
+  if (job.scan.without_scan) {
+    return;
+  }
   const Stamp now = clock_.now();
   scan_monitor_.add(now - job.scan.received, now);
   bus::Scan scan;

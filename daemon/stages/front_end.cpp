@@ -16,4 +16,13 @@ std::optional<odometry::OdometryResult> FrontEnd::process(const sensor::Scan& sc
   return result;
 }
 
+std::optional<odometry::OdometryResult> FrontEnd::go_on_without_scan() {
+  if (!preprocess_.go_on_without_scan(preprocessed_)) {
+    return std::nullopt;
+  }
+  const odometry::OdometryResult result = odometry_.go_on_without_scan(preprocessed_);
+  preprocess_.add_feedback(odometry_.feedback());
+  return result;
+}
+
 }  // namespace slamd::stages

@@ -28,9 +28,13 @@ class FrontEnd {
 
   bool ready_for(const sensor::Scan& scan, Stamp now) const { return preprocess_.ready_for(scan, now); }
 
-  /// Processes a scan; returns nothing while starting.
+  /// Processes a scan; returns nothing while starting, and for one that comes too late.
   std::optional<odometry::OdometryResult> process(const sensor::Scan& scan);
 
+  /// Goes on a step where no scan has come for a while; returns nothing when it is not time for one.
+  std::optional<odometry::OdometryResult> go_on_without_scan();
+
+  bool started() const { return preprocess_.started(); }
   const odometry::Odometry& odometry() const { return odometry_.odometry(); }
   const sensor::ImuBuffer& imu() const { return preprocess_.imu(); }
   const scan::DeskewedScan& deskewed() const { return preprocessed_.deskewed; }

@@ -33,10 +33,22 @@ odometry::OdometryResult OdometryStage::process(const PreprocessedScan& scan) {
   take(scan);
   const auto samples = bracket(imu_.samples(), odometry_.state().stamp, scan.deskewed.end);
   const odometry::OdometryResult result = odometry_.process(scan.deskewed, samples, wheels_.view());
+  note_done(scan);
+  return result;
+}
+
+odometry::OdometryResult OdometryStage::go_on_without_scan(const PreprocessedScan& step) {
+  take(step);
+  const auto samples = bracket(imu_.samples(), odometry_.state().stamp, step.deskewed.end);
+  const odometry::OdometryResult result = odometry_.go_on_without_scan(step.deskewed.end, samples, wheels_.view());
+  note_done(step);
+  return result;
+}
+
+void OdometryStage::note_done(const PreprocessedScan& scan) {
   wheels_.clear();
   imu_.drop_before(odometry_.state().stamp);
   sequence_ = scan.sequence;
-  return result;
 }
 
 }  // namespace slamd::stages

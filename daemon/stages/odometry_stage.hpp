@@ -16,6 +16,9 @@ class OdometryStage {
   /// Processes a scan.
   odometry::OdometryResult process(const PreprocessedScan& scan);
 
+  /// Goes on where there is none.
+  odometry::OdometryResult go_on_without_scan(const PreprocessedScan& step);
+
   /// Lets a scan pass that came too late, but for the samples and the start that it carries.
   void skip(const PreprocessedScan& scan) { take(scan); }
 
@@ -26,6 +29,7 @@ class OdometryStage {
 
  private:
   void take(const PreprocessedScan& scan);
+  void note_done(const PreprocessedScan& scan);
 
   sensor::ImuBuffer imu_;
   BoundedVector<sensor::WheelSample> wheels_;  // since the last scan processed; full: the oldest are forgotten

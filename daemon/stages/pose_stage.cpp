@@ -70,7 +70,9 @@ std::optional<PredictedPose> PoseStage::add_imu(ImuSample sample) {
   if (!imu_.push(sample) || !has_anchor_) {
     return std::nullopt;
   }
-  if (sample.stamp > state_.stamp) {
+  if (sample.stamp - std::max(before.stamp, state_.stamp) > inertial::kLongestBridge) {
+    inertial::propagate_unseen(state_, P_, sample.stamp, config_.unseen);
+  } else if (sample.stamp > state_.stamp) {
     const Stamp from = std::max(before.stamp, state_.stamp);
     const ImuSample first = inertial::interpolate(before, sample, from);
     inertial::propagate_interval(state_, P_, inertial::mean_of(first, sample), to_seconds(sample.stamp - state_.stamp),

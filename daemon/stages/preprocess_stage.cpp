@@ -10,7 +10,7 @@ using sensor::ImuSample;
 
 namespace {
 
-/// Inertial samples that one scan carries to the odometry: a silence of the LiDAR of twenty seconds at 200 Hz.
+/// Inertial samples that one scan, or a step without one, carries to the odometry: some seconds even at 1 kHz.
 constexpr std::size_t kMaxImuPerScan = 4096;
 /// Slower wheels may be noise.
 constexpr double kTurningWheels_mps = 0.05;
@@ -60,12 +60,21 @@ void PreprocessStage::add_imu(ImuSample sample) {
     return;
   }
   if (!pending_imu_.try_push_back(sample)) {
-    // Two seconds and more without a scan: the odometry needs the newest.
+    // Not started yet, or nobody takes them: the odometry needs the newest.
     pending_imu_.clear();
     pending_imu_.push_back(sample);
   }
-  if (!alignment_) {
-    alignment_ = aligner_.add(sample, config_.T_base_imu);
+  heard_ = std::max(heard_, sample.stamp);
+  level(sample);
+}
+
+void PreprocessStage::level(const ImuSample& sample) {
+  if (started_ || (alignment_ && sample.stamp - alignment_->state.stamp < kLevelAgain)) {
+    return;
+  }
+  if (const auto alignment = aligner_.add(sample, config_.T_base_imu)) {
+    alignment_ = alignment;
+    aligner_ = inertial::StartUpAlignment(config_.start_up);
   }
 }
 
@@ -73,9 +82,10 @@ void PreprocessStage::add_wheel(const sensor::WheelSample& sample) {
   if (!pending_wheels_.empty() && sample.stamp <= pending_wheels_[pending_wheels_.size() - 1].stamp) {
     return;
   }
-  if (!alignment_ && std::abs(sample.speed_mps) > kTurningWheels_mps) {
+  if (std::abs(sample.speed_mps) > kTurningWheels_mps) {
     aligner_.note_moving();
   }
+  heard_ = std::max(heard_, sample.stamp);
   if (!pending_wheels_.try_push_back(sample)) {
     pending_wheels_.clear();
     pending_wheels_.push_back(sample);
@@ -115,6 +125,7 @@ bool PreprocessStage::start(const sensor::Scan& scan, PreprocessedScan& out) {
     return false;
   }
   started_ = true;
+  scan_end_ = reached_ = Stamp{};
   first_.sequence = sequence_;
   first_.indoor = config_.environment == odometry::Environment::kIndoor;
   history_.fill(first_);
@@ -134,23 +145,66 @@ const Feedback& PreprocessStage::feedback_at(std::uint64_t sequence) const {
 bool PreprocessStage::process(const sensor::Scan& scan, PreprocessedScan& out) {
   out.start.reset();
   out.start_without_imu.reset();
+  out.without_scan = false;
   if (!started_ && !start(scan, out)) {
     return false;
   }
+  lateness_ = std::max(heard_ - scan.end, lateness_ - lateness_ / 128);
+  if (reached_ > scan_end_ && scan.end <= reached_) {
+    return false;
+  }
   const double begin_ms = thread_cpu_ms();
+  scan_end_ = reached_ = scan.end;
+  hand_over_samples(scan.end, out);
+  deskew_and_extract(scan, out);
+  out.preprocess_ms = thread_cpu_ms() - begin_ms;
+  return true;
+}
+
+bool PreprocessStage::go_on_without_scan(PreprocessedScan& out) {
+  const Stamp newest = heard_ - lateness_;
+  const auto is_time_for = [&](Stamp step) { return newest >= step + kSilentLag; };
+  if (!started_ || newest < scan_end_ + kSilence || !is_time_for(reached_ + kSilentStep)) {
+    return false;
+  }
+  // Over a time of which no sensor tells in one step: see Odometry.
+  const Stamp heard = next_heard();
+  const Stamp next = heard - reached_ > inertial::kLongestBridge ? heard : reached_ + kSilentStep;
+  if (!is_time_for(next)) {
+    return false;
+  }
+  out.start.reset();
+  out.start_without_imu.reset();
+  out.without_scan = true;
+  out.deskewed.end = reached_ = next;
+  hand_over_samples(next, out);
+  imu_.drop_before(feedback_at(sequence_ < 2 ? 0 : sequence_ - 2).state.stamp);
+  out.preprocess_ms = 0.0;
+  return true;
+}
+
+/// The first sample after what was reached; at the latest the newest.
+Stamp PreprocessStage::next_heard() const {
+  Stamp heard = heard_;
+  for (const sensor::WheelSample& wheel : pending_wheels_) {
+    heard = wheel.stamp > reached_ ? std::min(heard, wheel.stamp) : heard;
+  }
+  const auto samples = imu_.samples();
+  const auto after = std::ranges::upper_bound(samples, reached_, {}, &ImuSample::stamp);
+  return after == samples.end() ? heard : std::min(heard, after->stamp);
+}
+
+void PreprocessStage::hand_over_samples(Stamp to, PreprocessedScan& out) {
   out.sequence = ++sequence_;
   out.epoch = epoch_;
   out.imu.assign(pending_imu_.view());
   pending_imu_.clear();
-  // Those after the scan's end are the next one's.
+  // Those after it are the next one's.
   auto* const late = std::partition_point(pending_wheels_.begin(), pending_wheels_.end(),
-                                         [&](const sensor::WheelSample& wheel) { return wheel.stamp <= scan.end; });
+                                         [&](const sensor::WheelSample& wheel) { return wheel.stamp <= to; });
   out.wheels.assign({pending_wheels_.begin(), late});
   pending_wheels_.resize(static_cast<std::size_t>(std::move(late, pending_wheels_.end(), pending_wheels_.begin()) -
                                                   pending_wheels_.begin()));
-  deskew_and_extract(scan, out);
-  out.preprocess_ms = thread_cpu_ms() - begin_ms;
-  return true;
 }
 
 void PreprocessStage::deskew_and_extract(const sensor::Scan& scan, PreprocessedScan& out) {

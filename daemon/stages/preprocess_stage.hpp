@@ -30,6 +30,7 @@ struct PreprocessedScan {
   std::optional<inertial::Alignment> start;     // on the first of an epoch: where odom begins
   std::optional<Stamp> start_without_imu;       // the same where there is no inertial sensor
   scan::DeskewedScan deskewed;
+  bool without_scan = false;                    // none has come for a while: of `deskewed` only `end` counts
   BoundedVector<sensor::ImuSample> imu;         // accepted since the scan before, so that no scan loses any
   BoundedVector<sensor::WheelSample> wheels;    // since the scan before
   Stamp received{};                             // arrival of the packet that completed the scan
@@ -47,6 +48,14 @@ class PreprocessStage {
   static constexpr Duration kImuPatience = std::chrono::milliseconds(20);
   /// Scans that began late or have lost packets which a start without an inertial sensor lets pass before it takes one.
   static constexpr int kIncompletePatience = 10;
+
+  /// So long after a scan's end another one should have come; then the odometry goes on without, a step at a time, and
+  /// stays behind the newest sample by what a scan is long, and late.
+  static constexpr Duration kSilence = std::chrono::milliseconds(600);
+  static constexpr Duration kSilentStep = std::chrono::milliseconds(100);
+  static constexpr Duration kSilentLag = std::chrono::milliseconds(300);
+  /// While there is no scan to start with, odom is levelled anew so often: what it was level with may have been moved.
+  static constexpr Duration kLevelAgain = std::chrono::seconds(1);
 
   explicit PreprocessStage(const odometry::OdometryConfig& config);
 
@@ -69,17 +78,25 @@ class PreprocessStage {
   /// Tells whether a scan can be processed now: the inertial samples reach its end, or it has waited enough.
   bool ready_for(const sensor::Scan& scan, Stamp now) const;
 
-  /// Processes a scan into `out`; returns false while starting (the scan belongs to the time before the first state).
+  /// Processes a scan into `out`; returns false while starting (the scan belongs to the time before the first state), and
+  /// for one so late that the odometry has gone on without it.
   bool process(const sensor::Scan& scan, PreprocessedScan& out);
 
+  /// Makes a step without a scan into `out`, if it is time for one. Call until it returns false.
+  bool go_on_without_scan(PreprocessedScan& out);
+
   const sensor::ImuBuffer& imu() const { return imu_; }
+  bool started() const { return started_; }
   const std::optional<inertial::Alignment>& alignment() const { return alignment_; }
 
   /// Scans that were deskewed with an older state than k−2: the odometry was late.
   std::uint64_t late_feedback() const { return late_feedback_; }
 
  private:
+  void level(const sensor::ImuSample& sample);
   bool start(const sensor::Scan& scan, PreprocessedScan& out);
+  Stamp next_heard() const;
+  void hand_over_samples(Stamp to, PreprocessedScan& out);
   const Feedback& feedback_at(std::uint64_t sequence) const;
   void deskew_and_extract(const sensor::Scan& scan, PreprocessedScan& out);
 
@@ -93,6 +110,10 @@ class PreprocessStage {
   std::uint32_t epoch_ = 1;
   std::uint64_t sequence_ = 0;      // of the last scan handed over
   std::uint64_t late_feedback_ = 0;
+  Stamp heard_{};                   // newest sample of the inertial sensor or the wheels
+  Stamp scan_end_{};                // of the last scan handed over
+  Duration lateness_{};             // by which scans come later than the samples of their end; the most of late
+  Stamp reached_{};                 // the same, or of the last step without one
   Feedback first_;                  // stands for all before the epoch's first scan
   std::array<Feedback, 4> history_;  // by sequence
   // scratch, sized once

@@ -116,21 +116,35 @@ TimeSummary stage(const Run& run, Get&& get) {
   return summary_of(std::move(values));
 }
 
-/// The scans and the time in each state, and the causes of it. A scan's state holds from the scan before it on.
+/// The scans and the time in each state, and the causes of it. A state holds from the scan, or the step without one, before
+/// it on; the causes count both.
 ordered_json states_of(const Run& run) {
   std::map<std::string, std::map<std::string, std::uint64_t>> causes;
   std::map<std::string, std::uint64_t> scans;
   std::map<std::string, Duration> times;
-  const ScanRecord* before = nullptr;
+  std::optional<Stamp> before;
+  const auto pass = [&](Stamp stamp, const std::string& state) {
+    times[state] += before ? stamp - *before : Duration{};
+    before = stamp;
+  };
+  auto silent = run.silent.begin();
+  const auto pass_silence = [&](Stamp until) {
+    for (; silent != run.silent.end() && silent->stamp < until; ++silent) {
+      pass(silent->stamp, name_of(silent->state));
+      scans.try_emplace(name_of(silent->state), 0);
+      ++causes[name_of(silent->state)][name_of(silent->cause)];
+    }
+  };
   for (const ScanRecord& record : run.scans) {
+    pass_silence(record.odometry.stamp);
     const std::string state = name_of(record.odometry.state);
     ++scans[state];
-    times[state] += before == nullptr ? Duration{} : record.odometry.stamp - before->odometry.stamp;
-    before = &record;
+    pass(record.odometry.stamp, state);
     if (record.odometry.cause != odometry::Cause::kNone) {
       ++causes[state][in_words(record.odometry.cause, record.odometry.weak_axes_base)];
     }
   }
+  pass_silence(Stamp::max());
   ordered_json states = ordered_json::object();
   for (const auto& [state, count] : scans) {
     const double time_s = std::round(1e3 * to_seconds(times[state])) / 1e3;
@@ -156,6 +170,22 @@ void write_scan_row(std::FILE* file, const odometry::OdometryResult& result) {
   std::fputc('\n', file);
 }
 
+void write_silence_header(std::FILE* file) {
+  std::fputs("timestamp_ns,state,cause,x_m,y_m,z_m,qx,qy,qz,qw", file);
+  write_covariance_names(file);
+  std::fputc('\n', file);
+}
+
+/// A step where no scan had come for a while: what is believed of the pose, and how much.
+void write_silence_row(std::FILE* file, const odometry::OdometryResult& step) {
+  const Eigen::Vector3d& p = step.T_odom_base.translation();
+  const Eigen::Quaterniond q(step.T_odom_base.rotation());
+  std::fprintf(file, "%lld,%s,%d,%.6f,%.6f,%.6f,%.9f,%.9f,%.9f,%.9f", static_cast<long long>(step.stamp.time_since_epoch().count()),
+               name_of(step.state), static_cast<int>(step.cause), p.x(), p.y(), p.z(), q.x(), q.y(), q.z(), q.w());
+  write_covariance(file, step.P_odom_base);
+  std::fputc('\n', file);
+}
+
 }  // namespace
 
 ProductWriter::ProductWriter(const std::filesystem::path& directory, double map_spacing_m)
@@ -164,10 +194,12 @@ ProductWriter::ProductWriter(const std::filesystem::path& directory, double map_
       odometry_(open(directory / "odometry.tum")),
       trajectory_(open(directory / "trajectory.tum")),
       scans_(open(directory / "scans.csv")),
+      silence_(open(directory / "silence.csv")),
       motions_(open(directory / "motions.csv")),
       map_(map_file_),
       seen_(static_cast<float>(map_spacing_m)) {
   write_scan_header(scans_.get());
+  write_silence_header(silence_.get());
 }
 
 void ProductWriter::add(const ScanRecord& record, const scan::DeskewedScan& scan, const odometry::MotionStep& motion) {
@@ -213,6 +245,8 @@ void ProductWriter::correct_map(const evaluation::Trajectory& odometry) {
   std::filesystem::remove(in_odom);
 }
 
+void ProductWriter::add_silent(const odometry::OdometryResult& step) { write_silence_row(silence_.get(), step); }
+
 void ProductWriter::close(const mapping::CorrectedPath* path) {
   const evaluation::Trajectory odometry = poses_;
   if (path != nullptr) {
@@ -224,7 +258,7 @@ void ProductWriter::close(const mapping::CorrectedPath* path) {
     recording::write_tum_line(trajectory_.get(), pose.stamp, pose.T);
   }
   write_motions(motions_.get(), motion_log_.claims());
-  for (auto* stream : {&odometry_, &trajectory_, &scans_, &motions_}) {
+  for (auto* stream : {&odometry_, &trajectory_, &scans_, &silence_, &motions_}) {
     if (std::fclose(stream->release()) != 0) {
       throw std::runtime_error(std::string("a product could not be written whole: ") + std::strerror(errno));
     }

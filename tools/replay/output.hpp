@@ -22,7 +22,8 @@ namespace slamd::replay {
 
 struct MappingSummary;
 
-/// Writes a run's products while it goes on: odometry.tum, scans.csv, map.ply, and at its end motions.csv and trajectory.tum.
+/// Writes a run's products while it goes on: odometry.tum, scans.csv, silence.csv, map.ply, and at its end motions.csv and
+/// trajectory.tum.
 ///
 /// map.ply holds one point of each cube of the map's spacing, in the order in which they were seen. Where the map was
 /// corrected it is written again at the end, each point where the correction of its scan puts it, thinned anew.
@@ -31,6 +32,7 @@ class ProductWriter {
   ProductWriter(const std::filesystem::path& directory, double map_spacing_m);
 
   void add(const ScanRecord& record, const scan::DeskewedScan& scan, const odometry::MotionStep& motion);
+  void add_silent(const odometry::OdometryResult& step);
 
   /// `path` has the corrections; nullptr: map is odom.
   void close(const mapping::CorrectedPath* path);
@@ -55,6 +57,7 @@ class ProductWriter {
   std::unique_ptr<std::FILE, int (*)(std::FILE*)> odometry_;
   std::unique_ptr<std::FILE, int (*)(std::FILE*)> trajectory_;
   std::unique_ptr<std::FILE, int (*)(std::FILE*)> scans_;
+  std::unique_ptr<std::FILE, int (*)(std::FILE*)> silence_;
   std::unique_ptr<std::FILE, int (*)(std::FILE*)> motions_;
   MotionLog motion_log_;
   storage::PlyWriter map_;

@@ -130,21 +130,21 @@ class Player {
       : sinks_(sinks), config_(resolved_odometry(configuration)), front_end_(config_), imu_(std::move(imu)), wheels_(std::move(wheels)),
         waiting_(configuration.odometry.preprocess.max_points) {}
 
-  /// Lets time pass: inertial samples up to `now` arrive, and a waiting scan goes when it can.
+  /// Lets time pass: samples up to `now` arrive in their order, and a waiting scan goes when it can.
   void advance_to(Stamp now) {
-    for (; wheels_.next() && wheels_.next()->stamp <= now; wheels_.advance()) {
-      front_end_.add_wheel(*wheels_.next());
-    }
     while (imu_.next() && imu_.next()->stamp <= now) {
+      take_wheels(imu_.next()->stamp);
       add_imu(*imu_.next(), imu_.next()->stamp);
       imu_.advance();
     }
+    take_wheels(now);
     release(now);
   }
 
   void add_imu(const ImuSample& sample, Stamp now) {
     front_end_.add_imu(sample);
     release(now);
+    go_on_without_scan();
   }
 
   void add_scan(const Scan& scan, double decode_ms, Stamp now) {
@@ -184,10 +184,30 @@ class Player {
                      [this](const Scan& scan, Stamp) { process(scan); });
   }
 
+  void take_wheels(Stamp until) {
+    for (; wheels_.next() && wheels_.next()->stamp <= until; wheels_.advance()) {
+      front_end_.add_wheel(*wheels_.next());
+      go_on_without_scan();
+    }
+  }
+
+  void go_on_without_scan() {
+    while (!waiting_.is_waiting()) {
+      const auto result = front_end_.go_on_without_scan();
+      if (!result) {
+        return;
+      }
+      run_.silent.push_back({result->stamp, result->state, result->cause});
+      if (sinks_.silence) {
+        sinks_.silence(*result);
+      }
+    }
+  }
+
   void process(const Scan& scan) {
     const auto result = front_end_.process(scan);
     if (!result) {
-      ++run_.scans_before_start;
+      run_.scans_before_start += front_end_.started() ? 0 : 1;  // else it came too late, and counts as dropped
       return;
     }
     run_.scans.push_back({*result, front_end_.times(), decode_ms_});

@@ -21,9 +21,17 @@ struct ScanRecord {
   double decode_ms = 0.0;  // CPU time of this scan's packets
 };
 
+/// A step of a run where no scan had come for a while.
+struct SilentRecord {
+  Stamp stamp{};
+  odometry::State state = odometry::State::kDegraded;
+  odometry::Cause cause = odometry::Cause::kNoLidar;
+};
+
 /// What a run has seen and made.
 struct Run {
   std::vector<ScanRecord> scans;
+  std::vector<SilentRecord> silent;
   std::uint64_t scans_seen = 0;
   std::uint64_t scans_before_start = 0;  // while the inertial sensor was being levelled
   stages::NamedCounts packets;           // received and refused, by reason; the sum is what the capture holds
@@ -43,6 +51,7 @@ struct Run {
 struct Sinks {
   std::function<void(const ScanRecord&, const scan::DeskewedScan&, const odometry::MotionStep&)> scan;
   std::function<void(double share)> progress;  // of the recording, 0..1
+  std::function<void(const odometry::OdometryResult&)> silence{};  // a step where no scan had come for a while
 };
 
 /// Packets and inertial samples that do not come from files.

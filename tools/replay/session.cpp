@@ -93,7 +93,7 @@ void Session::run_with(const std::function<Run(const Sinks&)>& replay, const std
                      mapping->add(record, scan, motion);
                    }
                  },
-                 progress});
+                 progress, [&](const odometry::OdometryResult& step) { writer.add_silent(step); }});
   mapping_ = mapping ? std::optional(mapping->finish()) : std::nullopt;
   const mapping::CorrectedPath path(is_corrected() ? mapping_->path : std::vector<mapping::CorrectedKeyframe>());
   writer.close(is_corrected() ? &path : nullptr);

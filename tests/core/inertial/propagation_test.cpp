@@ -97,6 +97,26 @@ TEST(Propagation, ConstantVelocityTurnsAgainstTheGyroBias) {
   EXPECT_LT(P(kRotation + 2, kGyroBias + 2), 0.0);  // turned too far: ω too large, so −ω too small
 }
 
+TEST(Propagation, StaysWhereItIsWhenNobodyTellsOfTheTimeAndSaysWhatThatIsWorth) {
+  NavState sut = some_state();
+  Covariance P = Covariance::Identity() * 1e-4;
+  P(kPosition, kVelocity) = P(kVelocity, kPosition) = 5e-5;
+  const NavState before = sut;
+
+  propagate_unseen(sut, P, before.stamp + std::chrono::seconds(60), UnseenMotion{});
+
+  EXPECT_EQ(sut.T_odom_imu.translation(), before.T_odom_imu.translation());
+  EXPECT_EQ(sut.stamp, before.stamp + std::chrono::seconds(60));
+  EXPECT_EQ(sut.v_odom_imu.norm(), 0.0);
+  EXPECT_EQ(sut.gyro_bias, before.gyro_bias);
+  EXPECT_NEAR(std::sqrt(P(kPosition, kPosition)), 60.0, 0.1);
+  EXPECT_EQ(P(kPosition, kVelocity), 0.0);
+  // A vehicle turns about the vertical, whatever way the sensor is mounted.
+  const Eigen::Vector3d up_imu = -(before.T_odom_imu.rotation().transpose() * before.g_odom).normalized();
+  EXPECT_NEAR(std::sqrt(up_imu.dot(P.block<3, 3>(kRotation, kRotation) * up_imu)), 3.0, 0.1);
+  EXPECT_LT(std::sqrt(up_imu.unitOrthogonal().dot(P.block<3, 3>(kRotation, kRotation) * up_imu.unitOrthogonal())), 0.1);
+}
+
 TEST(Propagation, DoesNotAllocate) {
   SLAMD_NEEDS_ALLOCATION_GUARD();
   NavState sut = some_state();

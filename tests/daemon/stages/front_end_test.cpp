@@ -189,6 +189,132 @@ TEST(FrontEnd, BeginsOdomAndMapAnewWhenToldToAndForgetsWhatWasBefore) {
   EXPECT_EQ(outcome.allocations, 0U);
 }
 
+/// The same vehicle, whose LiDAR says nothing from `from_s` to `to_s`.
+struct SilentLidar {
+  Drive drive;
+  double from_s = 3.0;
+  double to_s = 63.0;
+  bool imu_too = false;
+
+  std::vector<OdometryResult> steps;    // without a scan
+  std::vector<OdometryResult> results;  // after the silence
+  double error_m = 0.0;                 // of the last pose
+  std::size_t allocations = 0;
+
+  void run(double seconds) {
+    std::mt19937_64 engine(12);
+    std::normal_distribution<double> normal;
+    const world::Room room;
+    FrontEnd sut(small_config());
+    std::optional<Se3> T_world_odom;
+    int next_imu = 0;
+    for (int k = 0; 0.1 * (k + 1) < seconds; ++k) {
+      const double end_s = 0.1 * (k + 1);
+      const bool silent = end_s > from_s && end_s <= to_s;
+      for (; 0.005 * next_imu <= end_s; ++next_imu) {
+        ImuSample sample = drive.imu(0.005 * next_imu);
+        for (int axis = 0; axis < 3; ++axis) {
+          sample.angular_rate_radps[axis] += 0.003 + 0.003 * normal(engine);
+          sample.specific_force_mps2[axis] += 0.05 + 0.025 * normal(engine);
+        }
+        if (silent && imu_too) {
+          continue;
+        }
+        sut.add_imu(sample);
+        std::optional<OdometryResult> step;
+        do {
+          allocations += support::count_allocations([&] { step = sut.go_on_without_scan(); });
+          if (step) {
+            steps.push_back(*step);
+          }
+        } while (step);
+      }
+      if (silent) {
+        continue;
+      }
+      const sensor::Scan scan = room.scan(Stamp{} + k * std::chrono::milliseconds(100), std::chrono::milliseconds(100), 600,
+                                          0.01, engine, [&](double t) { return drive.pose(0.1 * k + t); });
+      if (const auto result = sut.process(scan)) {
+        T_world_odom = T_world_odom.value_or(drive.pose(end_s) * result->T_odom_base.inverse());
+        error_m = (*T_world_odom * result->T_odom_base.translation() - drive.pose(end_s).translation()).norm();
+        if (end_s > to_s) {
+          results.push_back(*result);
+        }
+      }
+    }
+  }
+};
+
+TEST(FrontEnd, TracksAgainAtOnceAfterAMinuteWithoutScansAtRest) {
+  SilentLidar sut;
+  sut.drive.rest_s = 100.0;
+
+  sut.run(64.0);
+
+  ASSERT_GT(sut.steps.size(), 590U);
+  EXPECT_EQ(sut.steps.back().state, State::kDegraded);
+  EXPECT_EQ(sut.steps.back().cause, odometry::Cause::kNoLidar);
+  EXPECT_LT(std::sqrt(sut.steps.back().P_odom_base.diagonal().head<3>().maxCoeff()), 0.15);
+  ASSERT_GT(sut.results.size(), 5U);
+  EXPECT_EQ(sut.results[3].state, State::kTracking) << name_of(sut.results[3].cause);
+  EXPECT_EQ(sut.results.back().map_restarts, 0U);
+  EXPECT_LT(sut.error_m, 0.02);
+}
+
+TEST(FrontEnd, TracksAgainAfterAMinuteInWhichNoSensorSpokeAtRest) {
+  SilentLidar sut;
+  sut.drive.rest_s = 100.0;
+  sut.imu_too = true;
+
+  sut.run(65.0);
+
+  ASSERT_GT(sut.results.size(), 15U);
+  EXPECT_NE(sut.results.front().state, State::kTracking);  // it may have been carried away
+  EXPECT_EQ(sut.results.back().state, State::kTracking) << name_of(sut.results.back().cause);
+  EXPECT_EQ(sut.results.back().map_restarts, 0U);
+  EXPECT_LT(sut.error_m, 0.02);
+}
+
+TEST(FrontEnd, IsLostAfterLongWithoutScansInADriveAndNeverBelievesAWrongPose) {
+  SilentLidar sut;
+  sut.drive.rest_s = 1.5;
+  sut.from_s = 6.0;
+  sut.to_s = 46.0;
+
+  sut.run(50.0);
+
+  ASSERT_GT(sut.steps.size(), 390U);
+  EXPECT_EQ(sut.steps.front().state, State::kDegraded);
+  EXPECT_EQ(sut.steps.back().state, State::kLost);
+  EXPECT_EQ(sut.steps.back().cause, odometry::Cause::kNoLidar);
+  EXPECT_EQ(sut.results.front().state, State::kLost);
+  EXPECT_TRUE(sut.results.back().state != State::kTracking || sut.error_m < 0.1);
+}
+
+TEST(FrontEnd, DoesNotAllocateWhileItGoesOnWithoutScans) {
+  SLAMD_NEEDS_ALLOCATION_GUARD();
+  SilentLidar sut;
+  sut.drive.rest_s = 100.0;
+
+  sut.run(6.0);
+
+  EXPECT_GT(sut.steps.size(), 20U);
+  EXPECT_EQ(sut.allocations, 0U);
+}
+
+TEST(FrontEnd, LevelsOdomAnewUntilTheFirstScanComes) {
+  SilentLidar sut;
+  sut.drive.rest_s = 100.0;
+  sut.from_s = 0.0;
+  sut.to_s = 60.0;
+
+  sut.run(61.0);
+
+  ASSERT_GT(sut.results.size(), 5U);
+  EXPECT_EQ(sut.results.back().state, State::kTracking);
+  EXPECT_LT(sut.results.back().T_odom_base.translation().norm(), 0.02);
+}
+
 TEST(FrontEnd, GivesTheSameBitsTwice) {
   const Outcome first = follow(small_config(), 4.0, kNeverSilent);
   const Outcome second = follow(small_config(), 4.0, kNeverSilent);

@@ -66,6 +66,22 @@ TEST(PoseStage, SaysWhenItGoesOnWithoutScans) {
   EXPECT_EQ(pose->cause, odometry::Cause::kNoLidar);
 }
 
+TEST(PoseStage, DoesNotFlyAwayOverATimeOfWhichNobodyTells) {
+  PoseStage sut(config(), kScan);
+  sut.add_imu(sample(0));
+  sut.add_anchor(anchor(0, 2.0, 0.0));
+  ImuSample after = sample(60 * 200);
+  after.angular_rate_radps.z() = 0.01;  // noise
+  after.specific_force_mps2.x() = 0.05;
+
+  const auto pose = sut.add_imu(after);
+
+  ASSERT_TRUE(pose);
+  EXPECT_NEAR((pose->T_odom_base.translation() - Eigen::Vector3d(2.0, 0.0, 0.0)).norm(), 0.0, 1e-9);
+  EXPECT_GT(pose->P_odom_base(0, 0), 100.0);
+  EXPECT_EQ(pose->cause, odometry::Cause::kNoLidar);
+}
+
 TEST(PoseStage, CatchesUpWithSamplesThatAreNewerThanALateAnchor) {
   PoseStage sut(config(), kScan);
   for (int k = 0; k <= 10; ++k) {
