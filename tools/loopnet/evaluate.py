@@ -2,7 +2,8 @@
 """Measures Loop-Net, and Scan Context beside it, on worlds that it was not trained on; finds its threshold.
 
 Pairs: all of two different visits to the same world. Positive: nearer than 5 m (indoors 2 m; of an Avia, with headings
-within 40 degrees); negative: farther than 12 m (6 m); what lies between is left out."""
+within 40 degrees); negative: farther than 12 m (6 m); what lies between is left out. Of recordings also pairs of two, as
+negatives."""
 
 import argparse
 
@@ -104,7 +105,8 @@ def main():
         methods = (["Loop-Net"] if model else []) + (["Scan Context"] if options.scan_context else [])
         for method in methods:
             tallies = {"all": Tally()}
-            for rows in data.by_world:
+            recorded = data.kind[0] < 0   # other recordings are other places
+            for rows in [np.arange(len(data))] if recorded else data.by_world:
                 kind = places.KINDS[data.kind[rows[0]]]
                 positive, negative, turn = places.labels(
                     data.world[rows], data.position[rows], data.yaw[rows], data.indoor[rows], data.sensor[rows])

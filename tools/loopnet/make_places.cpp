@@ -25,7 +25,7 @@ struct Options {
   std::size_t count = 24;
   std::size_t places = 36;
   std::size_t visits = 3;
-  bool single_scans = false;
+  std::string submaps = "any";
   std::vector<std::string> clouds;
   std::vector<std::string> poses;
   RecordedPlaces recorded;
@@ -42,7 +42,9 @@ void declare_worlds(CLI::App& app, Options& options) {
   app.add_option("--count", options.count, "Number of worlds")->check(CLI::PositiveNumber)->capture_default_str();
   app.add_option("--places", options.places, "Places in each world")->check(CLI::PositiveNumber)->capture_default_str();
   app.add_option("--visits", options.visits, "Visits to each place")->check(CLI::PositiveNumber)->capture_default_str();
-  app.add_flag("--single-scans", options.single_scans, "No accumulated or thinned submaps, but for an Avia");
+  app.add_option("--submaps", options.submaps, "any; single: one scan each, but for an Avia; mapped: as core/mapping keeps them")
+      ->check(CLI::IsMember({"any", "single", "mapped"}))
+      ->capture_default_str();
 }
 
 void declare_recording(CLI::App& app, Options& options) {
@@ -63,6 +65,9 @@ float number_of(const std::string& name) {
 }
 
 int make_places(const Options& options) {
+  const SubmapKind submaps = options.submaps == "any"      ? SubmapKind::kAny
+                             : options.submaps == "single" ? SubmapKind::kSingle
+                                                           : SubmapKind::kMapped;
   PlaceFile file(options.out);
   cli::Progress progress("places");
   for (std::size_t i = 0; i < options.count; ++i) {
@@ -71,7 +76,7 @@ int make_places(const Options& options) {
     // Kinds and sensors do not go in step.
     const std::string& sensor = options.sensors[(i / options.worlds.size() + i) % options.sensors.size()];
     const PlaceWorld world = make_place_world(name, options.seed + i);
-    Visitor visitor(world, {sensor_kind(sensor), options.single_scans}, options.seed + i);
+    Visitor visitor(world, {sensor_kind(sensor), submaps}, options.seed + i);
     for (const Visit& visit : visitor.visit(options.places, options.visits)) {
       const Eigen::Vector3d& p = visit.T_world_level.translation();
       file.add({static_cast<float>(i), static_cast<float>(visit.place), number_of(name),

@@ -102,41 +102,49 @@ double Visitor::clearance_m(const Eigen::Vector3d& origin, double heading_rad) c
   return place_world_.world.cast(origin, direction, 20.0, 1, hit) ? hit.range_m : 20.0;
 }
 
-void Visitor::see(Visit& visit) {
-  // How many scans, how far apart, how many rays each.
-  std::size_t scans = 1;
-  double step_m = 0.0;
-  std::size_t rays = 0;
+Visitor::Plan Visitor::plan() {
+  const bool avia = settings_.sensor == PlaceSensor::Kind::kAvia;
   const double draw = uniform(0.0, 1.0);
-  if (settings_.sensor == PlaceSensor::Kind::kAvia) {
-    scans = 10 + static_cast<std::size_t>(3.0 * draw);
-    step_m = uniform(0.1, 0.6);
-    rays = 14'000 / scans;
-  } else {
-    const bool several = !settings_.single_scans && draw < 0.5;
-    scans = several ? 3 + static_cast<std::size_t>(10.0 * draw) : 1;
-    step_m = uniform(0.2, place_world_.indoor ? 0.6 : 1.2);
-    const std::size_t all = settings_.sensor == PlaceSensor::Kind::kVlp16 ? 9'600 : 16'000;
-    rays = (several ? 3 * all / 2 : all) / scans;
+  Plan plan;
+  if (settings_.submaps == SubmapKind::kMapped) {
+    plan.scans = 10;
+    plan.step_m = uniform(0.05, 0.3);
+    plan.rays = 2'400;
+    plan.behind = 9.0;
+    return plan;
   }
+  if (avia) {
+    plan.scans = 10 + static_cast<std::size_t>(3.0 * draw);
+    plan.step_m = uniform(0.1, 0.6);
+    plan.rays = 14'000 / plan.scans;
+  } else {
+    const bool several = settings_.submaps == SubmapKind::kAny && draw < 0.5;
+    plan.scans = several ? 3 + static_cast<std::size_t>(10.0 * draw) : 1;
+    plan.step_m = uniform(0.2, place_world_.indoor ? 0.6 : 1.2);
+    const std::size_t all = settings_.sensor == PlaceSensor::Kind::kVlp16 ? 9'600 : 16'000;
+    plan.rays = (several ? 3 * all / 2 : all) / plan.scans;
+  }
+  plan.behind = uniform(0.4, 1.0) * static_cast<double>(plan.scans - 1);
+  return plan;
+}
+
+void Visitor::see(Visit& visit) {
+  const Plan submap = plan();
   const Eigen::Vector3d& origin = visit.T_world_level.translation();
   const double before_m = std::min(clearance_m(origin, visit.heading_rad + M_PI) - 0.5, 30.0);
   const double after_m = std::min(clearance_m(origin, visit.heading_rad) - 0.5, 30.0);
-  const double behind = uniform(0.4, 1.0) * static_cast<double>(scans - 1);  // of the scans, behind the keyframe
   const double t_s = uniform(0.0, kSettled_s);
   points_world_.clear();
-  for (std::size_t i = 0; i < scans; ++i) {
-    const double along_m = std::clamp((static_cast<double>(i) - behind) * step_m, -before_m, after_m);
-    const double turn_rad = scans == 1 ? 0.0 : 3.0 * kDegree * normal();
+  for (std::size_t i = 0; i < submap.scans; ++i) {
+    const double along_m = std::clamp((static_cast<double>(i) - submap.behind) * submap.step_m, -before_m, after_m);
+    const double turn_rad = submap.scans == 1 ? 0.0 : 3.0 * kDegree * normal();
     const Eigen::Vector3d ahead(std::cos(visit.heading_rad), std::sin(visit.heading_rad), 0.0);
     const Eigen::Vector3d p = origin + along_m * ahead;
     const Eigen::Vector3d there(p.x(), p.y(), place_world_.floor(p.x(), p.y()) + base_m_);
-    scan({attitude(visit.heading_rad + turn_rad, 1.4 * kDegree * normal(), 1.4 * kDegree * normal()), there}, rays,
+    scan({attitude(visit.heading_rad + turn_rad, 1.4 * kDegree * normal(), 1.4 * kDegree * normal()), there}, submap.rays,
          t_s + 0.5 * static_cast<double>(i));
   }
-  if (!settings_.single_scans && uniform(0.0, 1.0) < 0.5) {
-    thin(std::exp(uniform(std::log(0.05), std::log(0.5))));
-  }
+  thin_submap();
   // The attitude by which a submap is levelled is a little wrong.
   const geometry::Se3 T_world_believed(
       visit.T_world_level.rotation() * attitude(0.0, 0.3 * kDegree * normal(), 0.3 * kDegree * normal()), origin);
@@ -162,6 +170,21 @@ void Visitor::scan(const geometry::Se3& T_world_base, std::size_t rays, double t
     if (const simulate::Echo* echo = echoes.strongest()) {
       points_world_.emplace_back((origin + echo->range_m * direction).cast<float>());
     }
+  }
+}
+
+void Visitor::thin_submap() {
+  constexpr std::size_t kMapped = 4'096;
+  constexpr double kGrowth = 1.26;
+  if (settings_.submaps == SubmapKind::kMapped) {
+    double cell_m = place_world_.indoor ? 0.15 : 0.30;
+    thin(cell_m);
+    while (points_world_.size() > kMapped) {
+      cell_m *= kGrowth;
+      thin(cell_m);
+    }
+  } else if (settings_.submaps == SubmapKind::kAny && uniform(0.0, 1.0) < 0.5) {
+    thin(std::exp(uniform(std::log(0.05), std::log(0.5))));
   }
 }
 

@@ -22,9 +22,15 @@ struct Visit {
 };
 
 /// Which submaps a visitor makes.
+enum class SubmapKind : std::uint8_t {
+  kAny,     // of one scan or several (an Avia: always several), thinned or not
+  kSingle,  // of one scan (an Avia: several), not thinned
+  kMapped,  // as core/mapping keeps them: ten scans, the keyframe's and those right behind it, thinned to 4,096 points
+};
+
 struct VisitorSettings {
   PlaceSensor::Kind sensor = PlaceSensor::Kind::kVlp16;
-  bool single_scans = false;  // of a spinning LiDAR; otherwise some submaps are of several, some are thinned
+  SubmapKind submaps = SubmapKind::kAny;
 };
 
 /// Drives a vehicle with one LiDAR to places of a world, again and again, as methods.md §5 says: each time a little beside,
@@ -47,10 +53,21 @@ class Visitor {
   double heading_for(double lane_rad);
   bool find(const Line& line, double along_m, Visit& visit);
   double clearance_m(const Eigen::Vector3d& origin, double heading_rad) const;
+  /// How many scans a submap is made of, how far apart, of how many rays each, and how many of them lie behind the keyframe.
+  struct Plan {
+    std::size_t scans = 1;
+    double step_m = 0.0;
+    std::size_t rays = 0;
+    double behind = 0.0;
+  };
+
+  Plan plan();
   void see(Visit& visit);
+  void thin_submap();
   void scan(const geometry::Se3& T_world_base, std::size_t rays, double t_s);
   void thin(double cell_m);
 
+  std::uint64_t draws_ = 0;  // the vehicle's own properties are drawn first
   const PlaceWorld& place_world_;
   VisitorSettings settings_;
   simulate::Noise noise_;
@@ -60,7 +77,6 @@ class Visitor {
   double noise_m_;
   double drop_out_;
   std::vector<Line> lines_;
-  std::uint64_t draws_ = 0;
   std::uint64_t shots_ = 0;
   loop::PolarImager imager_;
 

@@ -29,7 +29,7 @@ std::vector<geometry::Se3> read_rows(const std::filesystem::path& path) {
     Eigen::Matrix<double, 3, 4, Eigen::RowMajor> row;
     for (int i = 0; i < 12; ++i) {
       if (!(numbers >> row.data()[i])) {
-        throw RecordingError(path.string() + ":" + std::to_string(poses.size() + 1) + ": a row has 12 numbers");
+        throw RecordingError(path, "row " + std::to_string(poses.size() + 1) + " has not 12 numbers");
       }
     }
     const Eigen::Matrix3d R = row.leftCols<3>();
@@ -37,7 +37,7 @@ std::vector<geometry::Se3> read_rows(const std::filesystem::path& path) {
     poses.emplace_back(Eigen::Quaterniond(R), p);  // normalised: rows are rounded
   }
   if (poses.empty()) {
-    throw RecordingError(path.string() + ": no poses");
+    throw RecordingError(path, "no poses");
   }
   return poses;
 }
@@ -47,7 +47,7 @@ std::size_t row_of(const std::filesystem::path& cloud, std::size_t rows) {
   const std::size_t row =
       stem.find_first_not_of("0123456789") == std::string::npos ? std::stoul(stem) : rows;
   if (row >= rows) {
-    throw RecordingError(cloud.string() + ": no pose: the number in its name is no row");
+    throw RecordingError(cloud, "no pose: the number in its name is no row");
   }
   return row;
 }
@@ -60,7 +60,7 @@ std::vector<Eigen::Vector3f> read_points(const std::filesystem::path& path) {
   std::optional<clouds::CloudRefusal> refusal = clouds::read_cloud_file(path, bytes, raw);
   refusal = refusal ? refusal : converter.convert(raw, cloud);
   if (refusal) {
-    throw RecordingError(path.string() + ": " + std::string(clouds::name_of(*refusal)));
+    throw RecordingError(path, std::string(clouds::name_of(*refusal)));
   }
   std::vector<Eigen::Vector3f> points;
   for (const sensor::Point& point : cloud.points) {

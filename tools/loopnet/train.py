@@ -20,15 +20,13 @@ from torch.nn import functional as F
 import model as net
 import places
 
-WORLDS = 4     # of a batch
-VISITS = 16    # of each world
-
-
 def arguments():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--places", nargs="+", required=True, help="folders of make_places to learn from")
     parser.add_argument("--out", required=True, help="folder for the checkpoint, the log and the curve")
     parser.add_argument("--iterations", type=int, default=4000)
+    parser.add_argument("--worlds", type=int, default=4, help="of a batch")
+    parser.add_argument("--visits", type=int, default=16, help="of each of them")
     parser.add_argument("--rate", type=float, default=2e-3, help="greatest learning rate")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--threads", type=int, default=1)
@@ -36,13 +34,13 @@ def arguments():
     return parser.parse_args()
 
 
-def batch(joined, rng):
+def batch(joined, options, rng):
     """Rows of some worlds: a few places of each, all their visits."""
     images, columns = [], {name: [] for name in ("world", "position", "yaw", "indoor", "sensor")}
-    for number in range(WORLDS):
+    for number in range(options.worlds):
         data, rows = joined.worlds[rng.integers(len(joined.worlds))]
         order = rng.permutation(np.unique(data.place[rows]))
-        chosen = np.concatenate([rows[data.place[rows] == place] for place in order[:VISITS]])[:VISITS]
+        chosen = np.concatenate([rows[data.place[rows] == place] for place in order[:options.visits]])[:options.visits]
         for row in chosen:
             images.append(data.images[row])
         columns["world"].append(np.full(len(chosen), number))
@@ -173,7 +171,7 @@ def main():
     sums, counted, clock = np.zeros(4), 0, time.monotonic()
     for iteration in range(begin, options.iterations):
         rng = np.random.default_rng([options.seed, iteration])
-        images, rows = batch(joined, rng)
+        images, rows = batch(joined, options, rng)
         model.train()
         parts = losses(model, changed(images, rows["yaw"], rng), rows)
         overlap, distribution, vertex, retrieval = parts
