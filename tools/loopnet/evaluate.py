@@ -118,7 +118,7 @@ def main():
                 for name in ("all", kind):
                     tallies.setdefault(name, Tally()).add(logit, yaw, similarity, positive, negative, turn, reverse)
             for name, tally in tallies.items():
-                if name == "all" or len(tallies) > 2:
+                if name == "all" or not recorded:
                     print(f"| {method}: {folder}, {name} | {tally.row(options.threshold)} |", flush=True)
             if options.calibrate is not None and method == "Loop-Net":
                 all_pairs = tallies["all"]
