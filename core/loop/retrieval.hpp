@@ -42,6 +42,9 @@ class Retrieval {
   /// Forgets a keyframe; one that is not there is no matter.
   void remove(KeyframeNumber keyframe);
 
+  /// Forgets all of them.
+  void clear() { keyframes_.clear(); }
+
   /// Returns the descriptor of a keyframe, or nullptr.
   const Descriptor* find(KeyframeNumber keyframe) const;
 

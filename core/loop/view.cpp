@@ -7,7 +7,7 @@ namespace slamd::loop {
 
 namespace {
 
-constexpr float kBin_rad = static_cast<float>(M_PI / 60.0);
+constexpr float kBearing_rad = static_cast<float>(M_PI / 60.0);
 constexpr float kNearest_m = 1.5F;  // nearer, a small error of the place is a large one of the direction
 constexpr int kMostSeen = 5;        // of 9 directions
 constexpr std::size_t kFewPoints = 50;
@@ -19,8 +19,8 @@ constexpr float kClearlyBefore_m = 0.3F;
 }  // namespace
 
 bool View::bin_of(const Eigen::Vector3f& p, int& azimuth, int& elevation) {
-  azimuth = static_cast<int>((std::atan2(p.y(), p.x()) + static_cast<float>(M_PI)) / kBin_rad) % kAzimuths;
-  elevation = static_cast<int>(std::floor(std::atan2(p.z(), p.head<2>().norm()) / kBin_rad)) + kElevations / 2;
+  azimuth = static_cast<int>((std::atan2(p.y(), p.x()) + static_cast<float>(M_PI)) / kBearing_rad) % kAzimuths;
+  elevation = static_cast<int>(std::floor(std::atan2(p.z(), p.head<2>().norm()) / kBearing_rad)) + kElevations / 2;
   return elevation >= 0 && elevation < kElevations;
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/base/assert.hpp"
+#include "core/geometry/so3.hpp"
 
 namespace slamd::mapping {
 
@@ -15,7 +16,7 @@ constexpr double kSameView = 0.707;  // cos 45°
 
 Eigen::Matrix3d level_of(const Eigen::Vector3d& up_base) {
   // The shortest turn that takes z to up leaves the heading as it is, to second order in the tilt.
-  return Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), up_base).toRotationMatrix();
+  return geometry::rotation_between(Eigen::Vector3d::UnitZ(), up_base);
 }
 
 KeyframeStore::KeyframeStore(std::size_t capacity, std::size_t points_a_cloud)
@@ -29,6 +30,11 @@ bool KeyframeStore::add(Keyframe keyframe, std::span<const Eigen::Vector3f> poin
   keyframe.cloud = clouds_.store(points_level);
   keyframes_.push_back(keyframe);
   return true;
+}
+
+std::size_t KeyframeStore::index_of(graph::KeyframeId id) const {
+  const auto found = std::lower_bound(keyframes_.begin(), keyframes_.end(), id, [](const Keyframe& keyframe, graph::KeyframeId wanted) { return keyframe.id < wanted; });
+  return found != keyframes_.end() && found->id == id ? static_cast<std::size_t>(found - keyframes_.begin()) : size();
 }
 
 void KeyframeStore::erase(std::size_t i) {

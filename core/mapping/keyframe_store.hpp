@@ -30,6 +30,8 @@ class KeyframeStore {
   bool empty() const { return keyframes_.empty(); }
   bool full() const { return keyframes_.full(); }
   const Keyframe& operator[](std::size_t i) const { return keyframes_[i]; }
+  /// Returns where a keyframe stands; size() if it is not there.
+  std::size_t index_of(graph::KeyframeId id) const;
   const Keyframe& back() const { return keyframes_.back(); }
   std::size_t cloud_points(std::size_t i) const { return clouds_.points(keyframes_[i].cloud); }
   std::size_t points_a_cloud() const { return clouds_.points_a_slot(); }

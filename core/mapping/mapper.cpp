@@ -31,6 +31,7 @@ Mapper::Mapper(const MapperConfig& config)
       back_end_(with_capacity(config)),
       keyframes_(config.keyframes, config.points_a_cloud),
       uncertainty_(config.keyframes, config.loops),
+      appearance_(config.use_loop_net ? std::make_optional<Appearance>(config.keyframes) : std::nullopt),
       submaps_(config.keyframes, config.submap_m),
       cloud_(config.gathered_points),
       verifier_(config.verification),
@@ -67,6 +68,9 @@ MapperUpdate Mapper::finish() { return open_ ? close_keyframe() : MapperUpdate{}
 void Mapper::restart() {
   back_end_.emplace(with_capacity(config_));
   keyframes_.clear();
+  if (appearance_) {
+    appearance_->clear();
+  }
   submaps_.clear();
   path_m_ = 0.0;
   any_scan_ = false;
@@ -95,6 +99,7 @@ void Mapper::begin_keyframe(const MappedScan& scan) {
   open.keyframe.stamp = scan.stamp;
   open.keyframe.T_odom_base = scan.T_odom_base;
   open.keyframe.path_m = path_m_;
+  open.indoor = scan.indoor;
   open.up_base = scan.T_odom_base.rotation().transpose() * scan.up_odom;
   open.up_std_rad = scan.up_std_rad;
   open.keyframe.R_base_level = level_of(open.up_base);
@@ -137,7 +142,11 @@ MapperUpdate Mapper::close_keyframe() {
   if (back_end_->add_keyframe(open.keyframe.id, open.keyframe.T_odom_base, open.motion_covariance, gravity)) {
     open.keyframe.median_range_m = cloud_.median_range_m();
     open.keyframe.submap = submaps_.add_keyframe(open.keyframe.id, open.keyframe.path_m, open.keyframe.T_odom_base, T_map_odom_);
-    keyframes_.add(open.keyframe, cloud_.thinned(config_.points_a_cloud));
+    const auto points_level = cloud_.thinned(config_.points_a_cloud);
+    keyframes_.add(open.keyframe, points_level);
+    if (appearance_) {
+      appearance_->add(open.keyframe.id, points_level);
+    }
     result.keyframe_added = true;
     uncertainty_.look_from(*back_end_, keyframes_.size() - 1);
     propose();
@@ -167,6 +176,9 @@ std::optional<KeyframeId> Mapper::make_room() {
     submap_of_.reset();
   }
   back_end_->retire(keyframe.id);
+  if (appearance_) {
+    appearance_->remove(keyframe.id);
+  }
   submaps_.remove_keyframe(keyframe.submap);
   keyframes_.erase(*redundant);
   ++retired_;
@@ -176,6 +188,9 @@ std::optional<KeyframeId> Mapper::make_room() {
 void Mapper::propose() {
   proposals_.clear();
   propose_by_place(keyframes_, uncertainty_, config_.proximity, [this](std::size_t i) -> const Se3& { return T_map_base(i); }, proposals_);
+  if (appearance_) {
+    appearance_->propose(keyframes_, uncertainty_, open_->indoor, config_.appearance, proposals_);
+  }
   if (proposals_.empty()) {
     return;
   }

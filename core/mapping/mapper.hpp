@@ -12,6 +12,7 @@
 #include "core/geometry/se3.hpp"
 #include "core/graph/back_end.hpp"
 #include "core/loop/verification.hpp"
+#include "core/mapping/appearance.hpp"
 #include "core/mapping/cloud_builder.hpp"
 #include "core/mapping/corrections.hpp"
 #include "core/mapping/graph_uncertainty.hpp"
@@ -43,6 +44,8 @@ struct MapperConfig {
   std::size_t kept_at_limit = 100;      // the newest keyframes are not taken out
   NoveltyConfig novelty;
   ProximityConfig proximity;
+  bool use_loop_net = true;
+  AppearanceConfig appearance;
   loop::VerificationConfig verification;
   graph::BackEndConfig back_end;        // its capacity follows from the above
 };
@@ -153,6 +156,7 @@ class Mapper {
   std::optional<graph::BackEnd> back_end_;
   KeyframeStore keyframes_;
   GraphUncertainty uncertainty_;
+  std::optional<Appearance> appearance_;
   Submaps submaps_;
   CloudBuilder cloud_;
   loop::LoopVerifier verifier_;
@@ -172,6 +176,7 @@ class Mapper {
     Eigen::Vector3d up_base = Eigen::Vector3d::UnitZ();
     double up_std_rad = 0.0;
     std::size_t scans = 0;
+    bool indoor = false;
   };
   std::optional<Open> open_;
   geometry::Se3 T_odom_newest_;  // the newest keyframe's, gathered or being so

@@ -121,6 +121,7 @@ struct GnssConfiguration {
 /// The map that corrects itself: keyframes and loops. What is not here has no key: see mapping::MapperConfig.
 struct MappingConfiguration {
   bool use = true;
+  bool loop_net = true;
   int keyframes = 10'000;         // at most; then the most redundant one is given up for each new one
   int loops = 4'096;              // at most
   int cloud_points = 4'096;       // of a keyframe

@@ -140,7 +140,8 @@ void add_odometry_keys(std::vector<Key>& keys) {
   keys.push_back(number("map.max_cells", 1000, 1e6, "Fine cells of 1 m; the oldest are recycled.", SLAMD_FIELD(odometry.map.max_cells)));
   keys.push_back(number("map.max_surface_cells", 1000, 4e6, "Coarse cells; the oldest are recycled.", SLAMD_FIELD(odometry.map.max_surface_cells)));
   keys.push_back(boolean("mapping.use", "Keep keyframes, look for loops and correct the map by them.", SLAMD_FIELD(mapping.use)));
-  keys.push_back(number("mapping.keyframes", 100, 100'000, "Keyframes at most (30 kB each); then the most redundant one is given up for each new one.", SLAMD_FIELD(mapping.keyframes)));
+  keys.push_back(boolean("mapping.loop_net", "Let Loop-Net propose loops by what places look like, where the map no longer knows where they lie.", SLAMD_FIELD(mapping.loop_net)));
+  keys.push_back(number("mapping.keyframes", 100, 100'000, "Keyframes at most (45 kB each); then the most redundant one is given up for each new one.", SLAMD_FIELD(mapping.keyframes)));
   keys.push_back(number("mapping.loops", 16, 100'000, "Loops in the graph at most.", SLAMD_FIELD(mapping.loops)));
   keys.push_back(number("mapping.cloud_points", 500, 20'000, "Points of a keyframe's cloud (6 bytes each).", SLAMD_FIELD(mapping.cloud_points)));
   keys.push_back(number("mapping.spacing_indoor_m", 0.2, 20.0, "Of keyframes where the map has none like it.", SLAMD_FIELD(mapping.spacing_indoor_m)));

@@ -139,6 +139,9 @@ void add_mapping(const Configuration& configuration, std::vector<MemoryItem>& pl
       graph::PoseGraph::equations_capacity({mapper.keyframes, mapper.loops}, mapper.back_end.factor_entries);
   plan.push_back({"points of keyframes", mapper.keyframes * mapper.points_a_cloud, 3 * sizeof(std::int16_t)});
   plan.push_back({"keyframes", mapper.keyframes, sizeof(mapping::Keyframe) + sizeof(mapping::Submap) + 2 * sizeof(geometry::Matrix6d)});
+  if (mapper.use_loop_net) {
+    plan.push_back({"descriptors of keyframes", mapper.keyframes, sizeof(loop::Descriptor) + sizeof(loop::KeyframeNumber)});
+  }
   plan.push_back({"poses of the graph", mapper.keyframes, sizeof(graph::Node) + 5 * sizeof(geometry::Se3) + sizeof(geometry::Matrix6d)});
   plan.push_back({"loops of the graph", mapper.loops, 2 * sizeof(graph::Loop)});
   plan.push_back({"entries of the graph's factor", equations.factor_entries, sizeof(double) + sizeof(int)});

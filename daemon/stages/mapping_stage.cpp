@@ -12,6 +12,7 @@ mapping::MapperConfig mapper_config(const configuration::Configuration& configur
   config.points_a_cloud = static_cast<std::size_t>(wanted.cloud_points);
   config.novelty.spacing_indoor_m = wanted.spacing_indoor_m;
   config.novelty.spacing_outdoor_m = wanted.spacing_outdoor_m;
+  config.use_loop_net = wanted.loop_net;
   config.use_gravity = configuration.imu.enabled;
   config.proximity.view_rad = wanted.view_deg * kDegree;
   return config;

@@ -28,6 +28,7 @@ inline mapping::MapperConfig small() {
   config.submap_m = 6.0;
   config.quiet_m = 2.0;
   config.novelty.recent_m = config.proximity.recent_m = config.proximity.apart_m = 10.0;
+  config.appearance.recent_m = config.appearance.apart_m = 10.0;
   config.neighbours_m = 3.0;
   config.back_end.factor_entries = 200'000;
   return config;
@@ -52,6 +53,8 @@ class Circles {
     motion_.T_odom_base = T_odom_base_;
     motion_.drift_base.setZero();
     motion_.drift_base.diagonal() << 1e-6, 1e-6, 1e-6, 1e-8, 1e-8, 4e-5;
+    motion_.drift_base.topLeftCorner<3, 3>() += lost_std_m_ * lost_std_m_ * Eigen::Matrix3d::Identity();
+    lost_std_m_ = 0.0;
     points_ = room_.points_lidar(T_true(), 150, 0.01, engine_);
     mapping::MappedScan scan;
     scan.stamp = Stamp{} + steps_ * std::chrono::milliseconds(100);
@@ -60,6 +63,12 @@ class Circles {
     scan.motion = &motion_;
     scan.points_imu = points_;
     return scan;
+  }
+
+  /// The odometry is off by so much at once, and says how uncertain it was.  Units: m.
+  void lose_the_way(const Eigen::Vector3d& off_odom, double std_m) {
+    T_odom_base_.translation() += off_odom;
+    lost_std_m_ = std_m;
   }
 
   /// How far a pose of the newest scan is off, map being where it is at the first scan.
@@ -75,6 +84,7 @@ class Circles {
   int steps_ = 0;
   Se3 T_first_ = T_true();
   Se3 T_odom_base_;
+  double lost_std_m_ = 0.0;
   odometry::MotionStep motion_;
   std::vector<Eigen::Vector3f> points_;
 };

@@ -63,6 +63,26 @@ TEST(Mapper, GivesTheSameMapForTheSameDrive) {
   }
 }
 
+TEST(Mapper, FindsAPlaceAgainByItsLooksWhereItDoesNotKnowAnyMoreWhereItIs) {
+  const auto largest_error_m = [](bool use_loop_net) {
+    Circles drive;
+    mapping::MapperConfig config = small();
+    config.use_loop_net = use_loop_net;
+    Mapper sut(config);
+    for (int i = 0; i < 100; ++i) {
+      sut.process(drive.step());
+    }
+    drive.lose_the_way({9.0, -7.0, 0.0}, 12.0);
+    for (int i = 0; i < 150; ++i) {
+      sut.process(drive.step());
+    }
+    return drive.error_m(sut.T_map_odom() * drive.T_odom_base());
+  };
+
+  EXPECT_LT(largest_error_m(true), 0.3);
+  EXPECT_GT(largest_error_m(false), 5.0);
+}
+
 TEST(Mapper, TakesNoKeyframeFromScansThatTheOdometryDoesNotTrust) {
   Circles drive;
   Mapper sut(small());
