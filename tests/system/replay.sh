@@ -30,7 +30,7 @@ check "the VLP-16 drive replays while both cores are busy" "$replay" --out vlp16
 check "the Avia drive replays while both cores are busy" "$replay" --out avia_two avia
 end_load
 for lidar in vlp16 avia; do
-  for file in odometry.tum trajectory.tum map.ply; do
+  for file in odometry.tum trajectory.tum map.ply session/000000.slamd; do
     check "$lidar: $file is the same to the byte under load" cmp "${lidar}_one/$file" "${lidar}_two/$file"
   done
   check "$lidar: the map holds points" test "$(head -c 200 "${lidar}_one/map.ply" | awk '/^element vertex/ { print $3 }')" -gt 10000
@@ -54,6 +54,24 @@ for lidar in vlp16 avia; do
       "$lidar.json" '(.ape_m.se3.rmse // .ape_m.yaw.rmse) < 0.05 and .pairs > 80'
   done
 done
+
+# The session that a replay keeps, and what slamd-map makes of it.
+map=$bin/slamd-map
+"$map" info --json vlp16_one/session >session.json
+holds "slamd-map finds the session whole" session.json \
+  '.closed and .keyframes > 5 and .points > 10000 and (.damage | length) == 0 and .lost_records == 0'
+check "slamd-map exports it" "$map" export vlp16_one/session --ply map.ply --pcd map.pcd --tum way.tum --top top.png --slice slice.png --grid floor
+check "the grid has walls, free ground and the unknown" sh -c \
+  'tail -c +20 floor.pgm | od -An -v -tu1 -w1 | sort -u | tr -d " " | tr "\n" " " | grep -qx "0 205 254 "'
+check "keyframes lie on the trajectory" "$bin/slamd-evaluate" vlp16_one/trajectory.tum way.tum
+check "slamd-map runs its graph again" "$map" optimise vlp16_one/session --out optimised
+head -c $(($(stat -c %s vlp16_one/session/000000.slamd) * 2 / 3)) vlp16_one/session/000000.slamd >cut.slamd
+mkdir cut_session && mv cut.slamd cut_session/000000.slamd
+"$map" info --json cut_session >session.json
+holds "slamd-map reads what is whole of one that was cut off, and names the rest" session.json \
+  '(.closed | not) and .keyframes > 3 and (.damage | length) == 1 and .damage[0].what == "cut off"'
+refuses "a folder without a session: exit code 1" 1 '^slamd-map: vlp16: holds no session' "$map" info vlp16
+refuses "an export of nothing: exit code 2" 2 'says nothing to write' "$map" export vlp16_one/session
 
 # A capture that is cut off in the middle of a record: what came before stays as it was.
 mkdir cut && cp vlp16/recording.toml vlp16/imu.csv vlp16/odom.csv cut
