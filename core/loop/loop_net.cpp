@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "core/base/bytes.hpp"
+#include "core/base/crc32.hpp"
 #include "core/loop/loop_net_weights.hpp"
 #include "core/loop/tap_product.hpp"
 
@@ -45,24 +46,12 @@ constexpr std::size_t kHeaderBytes = 12;
 
 std::size_t padded(std::size_t columns) { return (columns + kTapColumns - 1) / kTapColumns * kTapColumns; }
 
-/// CRC-32 as zlib's, bit by bit: it runs once.
-std::uint32_t crc32_of(std::span<const std::byte> bytes) {
-  std::uint32_t crc = 0xFFFFFFFFU;
-  for (const std::byte byte : bytes) {
-    crc ^= static_cast<std::uint32_t>(byte);
-    for (int bit = 0; bit < 8; ++bit) {
-      crc = (crc >> 1) ^ (0xEDB88320U & (0U - (crc & 1U)));
-    }
-  }
-  return ~crc;
-}
-
 std::vector<float> floats_of(std::span<const std::byte> weights) {
   if (weights.size() != kHeaderBytes + 4 * kFloats + 4 || std::memcmp(weights.data(), kName, 8) != 0 ||
       load_le<std::uint32_t>(weights, 8) != kFloats) {
     throw std::invalid_argument("these are not Loop-Net's weights");
   }
-  if (load_le<std::uint32_t>(weights, weights.size() - 4) != crc32_of(weights.first(weights.size() - 4))) {
+  if (load_le<std::uint32_t>(weights, weights.size() - 4) != crc32(weights.first(weights.size() - 4))) {
     throw std::invalid_argument("Loop-Net's weights are damaged");
   }
   std::vector<float> floats(kFloats);

@@ -44,6 +44,11 @@ class LoopNet {
   /// Errors: std::invalid_argument where they are not Loop-Net's, or damaged.
   explicit LoopNet(std::span<const std::byte> weights);
 
+  LoopNet(LoopNet&&) = default;
+  LoopNet& operator=(LoopNet&&) = default;
+  LoopNet(const LoopNet&) = delete;  // layers point into the weights
+  LoopNet& operator=(const LoopNet&) = delete;
+
   /// Describes a place.
   void describe(const PolarImage& image, Descriptor& descriptor);
 

@@ -30,7 +30,7 @@ struct RetrievalConfig {
 };
 
 /// Remembers the descriptors of keyframes and finds those that show the place of another one.
-/// Real-time: memory in the constructor only; mapping thread only. find: 128 products a keyframe and a comparison for each of
+/// Real-time: memory in the constructor only; mapping thread only. search: 128 products a keyframe and a comparison for each of
 /// the shortlist, under 2 ms at 10,000.
 class Retrieval {
  public:

@@ -41,13 +41,15 @@ void Appearance::propose(const KeyframeStore& keyframes, const GraphUncertainty&
     return;
   }
   std::size_t proposed = 0;
-  const std::size_t first = out.size();
   for (const loop::Candidate& candidate : bank_.search(net_, *newest_, keyframes[end - 1].id + 1)) {
     const std::size_t i = keyframes.index_of(candidate.keyframe);
-    const bool is_of_known_pass = std::any_of(out.begin() + static_cast<std::ptrdiff_t>(first), out.end(), [&](const loop::LoopProposal& other) {
+    if (i == keyframes.size()) {
+      continue;
+    }
+    const bool is_of_known_pass = std::any_of(out.begin(), out.end(), [&](const loop::LoopProposal& other) {
       return std::abs(keyframes[other.keyframe].path_m - keyframes[i].path_m) < config.apart_m;
     });
-    if (i == keyframes.size() || is_of_known_pass || uncertainty.position_std_m(i) <= config.least_uncertain_m) {
+    if (is_of_known_pass || uncertainty.position_std_m(i) <= config.least_uncertain_m) {
       continue;
     }
     const Se3 T_candidate_query = guess_of(keyframes[i], query, candidate.yaw_rad);

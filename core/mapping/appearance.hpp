@@ -38,7 +38,7 @@ class Appearance {
   void remove(graph::KeyframeId id) { bank_.remove(id); }
   void clear() { bank_.clear(); }
 
-  /// Proposes keyframes that look like the newest one, which was added last; the likeliest first.
+  /// Proposes keyframes that look like the newest one, which was added last; the likeliest first, and none of a pass that `out` has already.
   void propose(const KeyframeStore& keyframes, const GraphUncertainty& uncertainty, bool indoor, const AppearanceConfig& config,
                BoundedVector<loop::LoopProposal>& out);
 

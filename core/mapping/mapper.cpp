@@ -11,6 +11,9 @@ namespace {
 
 constexpr std::size_t kMostProposals = 8;
 
+/// A vehicle that stands goes no way, however its pose trembles.
+constexpr double kCountedStep_m = 0.1;
+
 /// What a motion over lost scans may be wrong by: m a metre, and rad.
 constexpr double kGapShare = 0.05;
 
@@ -81,12 +84,17 @@ void Mapper::restart() {
   T_map_odom_ = Se3();
   last_loop_path_m_.reset();
   submap_of_.reset();
+  counts_ = {};
+  retired_ = 0;
 }
 
 void Mapper::follow(const MappedScan& scan) {
-  path_m_ += any_scan_ ? (scan.T_odom_base.translation() - T_odom_last_.translation()).norm() : 0.0;
-  T_odom_last_ = scan.T_odom_base;
-  any_scan_ = true;
+  const double moved_m = (scan.T_odom_base.translation() - T_odom_last_.translation()).norm();
+  if (!any_scan_ || moved_m >= kCountedStep_m) {
+    path_m_ += any_scan_ ? moved_m : 0.0;
+    T_odom_last_ = scan.T_odom_base;
+    any_scan_ = true;
+  }
   has_gap_ = has_gap_ || scan.after_gap;
   if (since_keyframe_) {
     since_keyframe_->add(*scan.motion);

@@ -29,18 +29,24 @@ struct MapCorrection {
   double z_m = 0.0;
   double quaternion_xyzw[4] = {0.0, 0.0, 0.0, 1.0};
   std::uint32_t correction_id = 0;  // counts mapping's corrections
+  std::uint32_t epoch = 0;          // of the odom that it places
 
-  static MapCorrection of(const geometry::Se3& T_corrected_odom, std::uint32_t correction_id) {
+  static MapCorrection of(const geometry::Se3& T_corrected_odom, std::uint32_t correction_id, std::uint32_t epoch) {
     MapCorrection correction;
     correction.x_m = T_corrected_odom.translation().x();
     correction.y_m = T_corrected_odom.translation().y();
     correction.z_m = T_corrected_odom.translation().z();
     Eigen::Vector4d::Map(correction.quaternion_xyzw) = T_corrected_odom.quaternion().coeffs();
     correction.correction_id = correction_id;
+    correction.epoch = epoch;
     return correction;
   }
 
-  geometry::Se3 T_corrected_odom() const {
+  /// Returns where the odom of an epoch lies: one that mapping has not seen yet is the map.
+  geometry::Se3 T_corrected_odom(std::uint32_t of_epoch) const {
+    if (of_epoch != epoch) {
+      return {};
+    }
     return {Eigen::Quaterniond(Eigen::Vector4d::Map(quaternion_xyzw)), Eigen::Vector3d(x_m, y_m, z_m)};
   }
 };

@@ -59,7 +59,7 @@ void MappingLoop::correct() {
     return;
   }
   shown_correction_ = mapper.correction_id();
-  rings_.correction.store(MapCorrection::of(mapper.T_map_odom(), shown_correction_));
+  rings_.correction.store(MapCorrection::of(mapper.T_map_odom(), shown_correction_, stage_.epoch()));
   events_.write(clock_.now(), Event::kMapCorrected, shown_correction_);
   rings_.wake_publish.notify();
 }

@@ -30,7 +30,7 @@ class MappingLoop {
  public:
   MappingLoop(const mapping::MapperConfig& config, const transport::HostClock& clock, Rings& rings, bus::Publisher& publisher);
 
-  /// Sleeps until there is a scan, at most `longest`, and takes all that there are.
+  /// Sleeps until there is a scan, at most `longest`, and takes it in; it is not waited for where there are more.
   void run_once(Duration longest);
 
   MappingCounts counts() const { return shown_.load().value_or(MappingCounts{}); }

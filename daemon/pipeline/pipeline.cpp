@@ -132,7 +132,7 @@ bool Pipeline::is_fifo() const {
 
 namespace {
 
-/// What mapping keeps, at its limits; less is touched until then.
+/// What mapping keeps, at its limits; of points and poses less is touched until then.
 void add_mapping(const Configuration& configuration, std::vector<MemoryItem>& plan) {
   const mapping::MapperConfig mapper = stages::mapper_config(configuration);
   const graph::NormalEquationsCapacity equations =

@@ -126,13 +126,17 @@ void PublishLoop::send(const stages::PredictedPose& pose) {
 }
 
 void PublishLoop::send_placement(Stamp now) {
-  const bool placed = rings_.placement.version() != placement_version_;
-  const bool corrected = rings_.correction.version() != correction_version_;
-  if (!placed && !corrected && now - last_placement_sent_ < kPlacementPeriod) {
+  const std::uint64_t placement_version = rings_.placement.version();
+  const std::uint64_t correction_version = rings_.correction.version();
+  const bool placed = placement_version != placement_version_;
+  const bool corrected = correction_version != correction_version_;
+  const bool begun = placement_epoch_ != counts_.epoch;
+  if (!placed && !corrected && !begun && now - last_placement_sent_ < kPlacementPeriod) {
     return;
   }
-  placement_version_ = rings_.placement.version();
-  correction_version_ = rings_.correction.version();
+  placement_version_ = placement_version;
+  correction_version_ = correction_version;
+  placement_epoch_ = counts_.epoch;
   last_placement_sent_ = now;
   const MapPlacement placement = rings_.placement.load().value_or(MapPlacement{});
   const MapCorrection correction = rings_.correction.load().value_or(MapCorrection{});
@@ -140,7 +144,7 @@ void PublishLoop::send_placement(Stamp now) {
   correction_id_ = placement.correction_id + correction.correction_id;
   bus::MapToOdom message;
   message.stamp = now;
-  message.T_map_odom = placement.T_map_corrected() * correction.T_corrected_odom();
+  message.T_map_odom = placement.T_map_corrected() * correction.T_corrected_odom(counts_.epoch);
   message.correction_id = correction_id_;
   message.cause = cause_;
   publisher_.publish(message);

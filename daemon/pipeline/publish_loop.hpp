@@ -58,6 +58,7 @@ class PublishLoop {
   Stamp last_placement_sent_{};
   std::uint64_t placement_version_ = 0;
   std::uint64_t correction_version_ = 0;
+  std::uint32_t placement_epoch_ = 0;  // of the odom that was placed last
   bus::Correction cause_ = bus::Correction::kStart;
   std::uint32_t correction_id_ = 0;
   PublishCounts counts_;

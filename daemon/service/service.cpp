@@ -298,7 +298,7 @@ class Housekeeping {
     return bus::Reply{command.id, false, command.verb + ": this release has no black box yet (see CHANGELOG)"};
   }
 
-  geometry::Se3 T_map_odom() const { return placement_.T_map_corrected() * pipeline_.correction().T_corrected_odom(); }
+  geometry::Se3 T_map_odom() const { return placement_.T_map_corrected() * pipeline_.correction().T_corrected_odom(pipeline_.epoch()); }
 
   /// Forgets odom and its map; map begins where the next odom does.
   std::string new_map() {
@@ -316,7 +316,7 @@ class Housekeeping {
     const double yaw_rad = std::stod(command.arguments[3]) * M_PI / 180.0;
     const pipeline::PublishCounts pose = pipeline_.publish().counts();
     const geometry::Se3 T_odom_base(geometry::rotation_from_rpy({0.0, 0.0, pose.yaw_rad}), Eigen::Vector3d(pose.x_m, pose.y_m, pose.z_m));
-    const geometry::Se3 T_corrected_base = pipeline_.correction().T_corrected_odom() * T_odom_base;
+    const geometry::Se3 T_corrected_base = pipeline_.correction().T_corrected_odom(pipeline_.epoch()) * T_odom_base;
     placement_.yaw_rad = yaw_rad - geometry::rpy_from_rotation(T_corrected_base.rotation()).z();
     const Eigen::Vector3d turned = geometry::rotation_from_rpy({0.0, 0.0, placement_.yaw_rad}) * T_corrected_base.translation();
     placement_.x_m = x_m - turned.x();

@@ -48,10 +48,16 @@ const char* in_words(FrameVerdict verdict) {
 /// Puts a session together from its records.
 class Assembly {
  public:
-  void begin_segment(const std::string& name) { segment_ = name; }
+  void begin_segment(const std::string& name) {
+    segment_ = name;
+    is_foreign_ = false;
+  }
 
   /// Takes a record in; returns what is wrong with it.
   std::string take(const RecordFrame& frame) {
+    if (is_foreign_) {
+      return "belongs to another session";
+    }
     try {
       read(frame);
     } catch (const SessionContentError& error) {
@@ -90,6 +96,7 @@ class Assembly {
       case SessionRecord::kBegin: {
         const SessionBegin begin = read_begin(frame.payload);
         if (has_begun_ && begin.session != session_.begin.session) {
+          is_foreign_ = true;  // and so does the rest of the file
           throw SessionContentError("belongs to another session");
         }
         if (!has_begun_) {
@@ -131,6 +138,7 @@ class Assembly {
   Session session_;
   std::string segment_;
   bool has_begun_ = false;
+  bool is_foreign_ = false;  // this segment
   std::uint32_t next_number_ = 0;
   std::map<graph::KeyframeId, SessionKeyframe> keyframes_;
   std::map<graph::KeyframeId, geometry::Se3> poses_;
@@ -193,7 +201,7 @@ Session read_session(const fs::path& folder, const std::function<void(double)>& 
   std::error_code error;
   std::vector<fs::path> files;
   for (const auto& entry : fs::directory_iterator(folder, error)) {
-    if (is_segment_name(entry.path())) {
+    if (is_segment_name(entry.path()) && entry.is_regular_file(error)) {
       files.push_back(entry.path());
     }
   }

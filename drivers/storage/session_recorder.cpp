@@ -24,6 +24,7 @@ void SessionRecorder::note(const mapping::Mapper& mapper, const mapping::MapperU
   if (update.retired) {
     writer_.retire(*update.retired);
     written_.erase(*update.retired);
+    std::erase_if(loops_, [&](const auto& entry) { return entry.second.a == *update.retired || entry.second.b == *update.retired; });
   }
   if (update.keyframe_added) {
     note_newest_keyframe(mapper);

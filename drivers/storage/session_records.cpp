@@ -8,6 +8,7 @@
 
 #include "core/base/bytes.hpp"
 #include "core/base/crc32.hpp"
+#include "core/mapping/cloud_pool.hpp"
 
 namespace slamd::storage {
 
@@ -16,7 +17,8 @@ using geometry::Se3;
 
 namespace {
 
-constexpr float kStep_m = 0.005F;  // mapping::CloudPool's
+constexpr float kStep_m = mapping::CloudPool::kStep_m;
+constexpr double kFarthest_m = 1e7;  // a map is no larger
 constexpr std::size_t kMaxText = 63;
 constexpr std::uint8_t kHasGravity = 1;
 constexpr std::uint8_t kIsAccepted = 1;
@@ -108,6 +110,9 @@ class Reader {
   }
   Se3 pose() {
     const Eigen::Vector3d p = vector();
+    if (!(p.cwiseAbs().maxCoeff() <= kFarthest_m)) {
+      throw SessionContentError("lies beyond all bounds");
+    }
     return {rotation(), p};
   }
   graph::BetweenFactor factor() {
@@ -227,6 +232,9 @@ SessionKeyframe read_keyframe(std::span<const std::byte> payload) {
   gravity.up_base = in.vector();
   gravity.std_rad = in.finite();
   if (has_gravity) {
+    if (!(gravity.std_rad > 0.0) || std::abs(gravity.up_base.norm() - 1.0) > 1e-6) {
+      throw SessionContentError("holds a vertical that is none");
+    }
     keyframe.gravity = gravity;
   }
   const std::size_t points = in.items(3 * sizeof(std::int16_t));
@@ -255,6 +263,9 @@ SessionLoop read_loop(std::span<const std::byte> payload) {
   loop.id = in.number<std::uint32_t>();
   loop.a = in.number<std::uint32_t>();
   loop.b = in.number<std::uint32_t>();
+  if (loop.a >= loop.b) {
+    throw SessionContentError("joins no earlier keyframe with a later one");
+  }
   loop.factor = in.factor();
   loop.accepted = (in.number<std::uint8_t>() & kIsAccepted) != 0;
   in.end();

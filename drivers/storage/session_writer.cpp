@@ -42,6 +42,9 @@ SessionWriter::SessionWriter(const fs::path& folder, const SessionBegin& begin, 
       if (is_segment_name(entry.path())) {
         fs::remove(entry.path(), error);
       }
+      if (error) {
+        break;
+      }
     }
   }
   if (error) {
@@ -85,11 +88,13 @@ bool SessionWriter::retry() {
 
 void SessionWriter::append(SessionRecord kind, const RecordBytes& payload) {
   bool written = false;
-  if (fault_.empty() && payload.size() <= RecordFrame::kMaxPayload) {
+  if (fd_ >= 0 && fault_.empty() && payload.size() <= RecordFrame::kMaxPayload) {
     const std::size_t bytes = RecordFrame{kind, 0, payload}.bytes();
     if (segment_bytes_ + bytes > limits_.segment_bytes && kind != SessionRecord::kEnd) {
       close_segment();
-      open_segment();
+      if (fault_.empty()) {
+        open_segment();
+      }
     }
     written = fault_.empty() && append_bytes(framed({kind, next_number_, payload}));
   }
@@ -129,13 +134,24 @@ bool SessionWriter::open_segment() {
   segment_bytes_ = 0;
   const RecordBytes payload = payload_of(begin_);
   ++begin_.segment;
-  return append_bytes(framed({SessionRecord::kBegin, next_number_++, payload}));
+  if (append_bytes(framed({SessionRecord::kBegin, next_number_++, payload}))) {
+    return true;
+  }
+  ::close(fd_);  // nothing of it is left behind: retry() may come here often
+  fd_ = -1;
+  --begin_.segment;
+  --next_number_;
+  std::error_code none;
+  fs::remove(file, none);
+  return false;
 }
 
 void SessionWriter::close_segment() {
   if (fd_ >= 0) {
-    ::fdatasync(fd_);
-    ::close(fd_);
+    sync();
+    if (::close(fd_) != 0 && fault_.empty()) {
+      fail("cannot be closed");
+    }
     fd_ = -1;
     closed_.push_back({folder_ / segment_name(begin_.segment - 1), segment_bytes_});
   }
@@ -152,7 +168,8 @@ void SessionWriter::keep_quota() {
 }
 
 void SessionWriter::fail(const std::string& what) {
-  fault_ = (folder_ / segment_name(begin_.segment - (fd_ >= 0 && begin_.segment > 0 ? 1 : 0))).string() + ": " + what + ": " + std::strerror(errno);
+  const int error = errno;
+  fault_ = (folder_ / segment_name(begin_.segment - (fd_ >= 0 && begin_.segment > 0 ? 1 : 0))).string() + ": " + what + ": " + std::strerror(error);
 }
 
 }  // namespace slamd::storage

@@ -75,12 +75,16 @@ void write_picture(const std::string& file, const std::vector<Eigen::Vector3f>& 
 }
 
 void write_way(const std::string& file, const storage::Session& session) {
-  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> stream(std::fopen(file.c_str(), "wb"), std::fclose);
+  std::unique_ptr<std::FILE, int (*)(std::FILE*)> stream(std::fopen(file.c_str(), "wb"), std::fclose);
   if (!stream) {
     throw std::runtime_error(file + ": cannot be written");
   }
   for (std::size_t i = 0; i < session.keyframes.size(); ++i) {
     recording::write_tum_line(stream.get(), session.keyframes[i].stamp, session.T_map_base[i]);
+  }
+  const bool is_good = std::ferror(stream.get()) == 0;
+  if (std::fclose(stream.release()) != 0 || !is_good) {
+    throw std::runtime_error(file + ": could not be written whole");
   }
 }
 
@@ -142,8 +146,10 @@ int export_session(Options& options) {
 
 int optimise(const Options& options) {
   std::error_code none;
-  if (std::filesystem::equivalent(options.session, options.out, none)) {
-    throw cli::UsageError("--out: is the session itself; give another folder");
+  for (const auto& entry : std::filesystem::directory_iterator(options.out, none)) {
+    if (storage::is_segment_name(entry.path())) {
+      throw cli::UsageError("--out " + options.out + ": holds a session already; give another folder");
+    }
   }
   storage::Session session = read(options.session);
   warn_of(session);
@@ -187,7 +193,7 @@ void declare(CLI::App& app, Options& options) {
   to_files->add_option("--top", options.top, "Picture from above, PNG");
   to_files->add_option("--slice", options.slice, "Picture of what lies at one height, PNG");
   to_files->add_option("--grid", options.grid, "Occupancy grid for navigation stacks: writes STEM.pgm and STEM.yaml")->type_name("STEM");
-  to_files->add_option("--spacing", options.spacing_m, "Of the cloud's points, m; 0: all of them")->check(CLI::Range(0.0F, 10.0F))->capture_default_str();
+  to_files->add_option("--spacing", options.spacing_m, "Of the cloud's points, m; 0: all of them")->check(CLI::Range(0.005F, 10.0F) | CLI::IsMember({"0"}))->capture_default_str();
   to_files->add_option("--slice-height", options.slice_m, "In map, m")->capture_default_str();
   to_files->add_option("--slice-width", options.slice_width_m, "How thick the slice is, m")->check(CLI::PositiveNumber)->capture_default_str();
   to_files->add_option("--resolution", options.grid_options.resolution_m, "Of the grid, m; finer than 0.15 indoors or 0.3 outdoors, walls have holes: clouds are no denser")->check(CLI::Range(0.01, 10.0))->capture_default_str();

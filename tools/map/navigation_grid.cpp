@@ -89,7 +89,7 @@ NavigationGrid grid_of(const storage::Session& session, const GridOptions& optio
   NavigationGrid grid;
   grid.resolution_m = options.resolution_m;
   const Eigen::Vector2d size = (high - low) / options.resolution_m;
-  if (!(size.x() * size.y() < static_cast<double>(kMostCells))) {
+  if (!((size.x() + 3.0) * (size.y() + 3.0) < static_cast<double>(kMostCells))) {
     throw std::runtime_error("the grid would have more than 400 million cells: ask for a coarser one");
   }
   grid.x_m = low.x() - options.resolution_m;

@@ -33,7 +33,7 @@ struct NavigationGrid {
 
 /// Draws the grid of a session: from each keyframe a beam to each of its points; where points of the asked heights end is
 /// occupied, unless four times as many beams went on through it; where beams only go through is free.
-/// Errors: std::runtime_error where the session has no points, or the grid more than 400 million cells.
+/// Errors: std::runtime_error where the session has no keyframe, or the grid more than 400 million cells.
 NavigationGrid grid_of(const storage::Session& session, const GridOptions& options, const Share& share = {});
 
 /// Writes STEM.pgm and STEM.yaml as map_server of ROS's navigation stacks has them. Errors: std::runtime_error.

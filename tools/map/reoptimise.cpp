@@ -68,6 +68,9 @@ Reoptimised reoptimise(storage::Session& session, const Share& share) {
   }
   for (std::size_t i = 0; i < session.keyframes.size(); ++i) {
     const geometry::Se3& T_map_base = back_end.graph().node(i).T_map_base;
+    if (!T_map_base.translation().allFinite() || !T_map_base.rotation().allFinite()) {
+      throw std::runtime_error("the graph has no solution: its factors contradict each other beyond all bounds");
+    }
     result.largest_move_m = std::max(result.largest_move_m, (T_map_base.translation() - session.T_map_base[i].translation()).norm());
     session.T_map_base[i] = T_map_base;
   }

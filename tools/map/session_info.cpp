@@ -44,6 +44,12 @@ Summary summary_of(const storage::Session& session) {
   return summary;
 }
 
+/// The file's words, without what would move a terminal's cursor.
+std::string printable(std::string words) {
+  std::replace_if(words.begin(), words.end(), [](unsigned char c) { return c < 0x20 || c > 0x7E; }, '?');
+  return words;
+}
+
 [[gnu::format(printf, 1, 2)]] std::string line(const char* format, ...) {
   char text[256];
   va_list arguments;
@@ -58,7 +64,7 @@ Summary summary_of(const storage::Session& session) {
 std::string info_text(const storage::Session& session) {
   const Summary summary = summary_of(session);
   std::string text;
-  text += line("written by   %s, LiDAR %s", session.begin.software.c_str(), session.begin.sensor.c_str());
+  text += line("written by   %s, LiDAR %s", printable(session.begin.software).c_str(), printable(session.begin.sensor).c_str());
   text += line("way          %.1f m in %.1f s", summary.way_m, summary.duration_s);
   text += line("keyframes    %zu in %zu submaps, %zu points", session.keyframes.size(), summary.submaps, summary.points);
   text += line("loops        %zu accepted, %zu not", summary.accepted, session.loops.size() - summary.accepted);

@@ -80,13 +80,13 @@ void MappingRun::write_loops() {
     const Eigen::Vector3d guess = trial.trial.proposal.T_candidate_query.translation();
     const Eigen::Vector3d p = found.T_candidate_query.translation();
     const Eigen::Quaterniond q = found.T_candidate_query.quaternion();
-    const geometry::Vector6d std = found.covariance.diagonal().cwiseSqrt();
+    const geometry::Vector6d deviation = found.covariance.diagonal().cwiseSqrt();
     std::fprintf(file.get(), "%lld,%lld,%s,%.3f,%.3f,%.4f,%.3f,%.3f,%.3f,%.3f,%.3f,%.3f,%.4f,%.4f,%.4f,%.6f,%.6f,%.6f,%.6f,%.4f,%.4f,%.4f,%.5f,%.5f,%.5f\n",
                  static_cast<long long>(trial.trial.candidate_stamp.time_since_epoch().count()),
                  static_cast<long long>(trial.trial.query_stamp.time_since_epoch().count()), word_of(trial.trial, trial.end),
                  found.overlap, found.inlier_ratio, found.mean_residual_m, found.seen_through, found.runner_up, guess.x(), guess.y(), guess.z(),
-                 trial.trial.proposal.position_std_m, p.x(), p.y(), p.z(), q.x(), q.y(), q.z(), q.w(), std[0], std[1], std[2],
-                 std[3], std[4], std[5]);
+                 trial.trial.proposal.position_std_m, p.x(), p.y(), p.z(), q.x(), q.y(), q.z(), q.w(), deviation[0], deviation[1], deviation[2],
+                 deviation[3], deviation[4], deviation[5]);
   }
   if (std::fclose(file.release()) != 0) {
     throw recording::RecordingError(loops_file_, std::strerror(errno));

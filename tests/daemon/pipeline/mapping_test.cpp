@@ -109,13 +109,19 @@ TEST_F(Mapping, PutsOdomWhereACommandAndMappingHaveIt) {
   EXPECT_EQ(map_to_odom->cause, bus::Correction::kCommand);
   EXPECT_EQ(map_to_odom->correction_id, 2U);
 
-  rings.correction.store(MapCorrection::of(at(3.0, 0.0), 4));
+  rings.correction.store(MapCorrection::of(at(3.0, 0.0), 4, sut.counts().epoch));
   sut.run_once(Duration{});
   hear();
 
   EXPECT_EQ(map_to_odom->cause, bus::Correction::kLoop);
   EXPECT_EQ(map_to_odom->correction_id, 6U);
   EXPECT_TRUE(map_to_odom->T_map_odom.translation().isApprox(Eigen::Vector3d(1.0, 3.0, 0.0), 1e-9));
+
+  rings.correction.store(MapCorrection::of(at(3.0, 0.0), 4, sut.counts().epoch + 1));
+  sut.run_once(Duration{});
+  hear();
+
+  EXPECT_TRUE(map_to_odom->T_map_odom.translation().isApprox(Eigen::Vector3d(1.0, 0.0, 0.0), 1e-9)) << "it is of another odom";
 }
 
 }  // namespace

@@ -101,6 +101,11 @@ TEST_F(SessionTest, GivesBackWhatWasWritten) {
   ASSERT_EQ(sut.loops.size(), 1U);
   EXPECT_EQ(sut.loops[0].id, 5U);
   EXPECT_TRUE(sut.loops[0].accepted);
+  EXPECT_EQ(sut.loops[0].a, 0U);
+  EXPECT_EQ(sut.loops[0].b, 2U);
+  EXPECT_LT(boxminus(sut.loops[0].factor.T_a_b, made_pose(0.5)).norm(), 1e-12);
+  EXPECT_LT(boxminus(keyframe.odometry.T_a_b, expected.odometry.T_a_b).norm(), 1e-12);
+  EXPECT_EQ(keyframe.gravity->std_rad, 0.02);
   EXPECT_LT(boxminus(sut.T_map_base[0], made_pose(7.0)).norm(), 1e-12);
   EXPECT_LT(boxminus(sut.T_map_base[1], made_pose(1.0)).norm(), 1e-12) << "no correction: as in odom";
 }
@@ -325,6 +330,67 @@ TEST_F(SessionTest, SaysThatTheDiskIsFullAndGoesOnWhenItIsNot) {
   EXPECT_TRUE(sut.damage.empty()) << "cut back to the last whole record";
   EXPECT_EQ(ids_of(sut), (std::vector<graph::KeyframeId>{0, 3}));
   EXPECT_EQ(sut.lost_records, 2U);
+}
+
+TEST_F(SessionTest, LeavesNoFilesBehindWhileTheDiskStaysFull) {
+  SessionWriter writer(folder_, kBegin, {});
+  rlimit before{};
+  getrlimit(RLIMIT_FSIZE, &before);
+  signal(SIGXFSZ, SIG_IGN);
+  rlimit small = before;
+  small.rlim_cur = 10;
+  setrlimit(RLIMIT_FSIZE, &small);
+  writer.write(made_keyframe(0));
+  for (int i = 0; i < 10; ++i) {
+    EXPECT_FALSE(writer.retry());
+  }
+  setrlimit(RLIMIT_FSIZE, &before);
+
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder_), fs::directory_iterator()), 1);
+  EXPECT_TRUE(writer.retry());
+  writer.write(made_keyframe(1));
+  writer.close();
+  const Session sut = read_session(folder_);
+  EXPECT_EQ(ids_of(sut), (std::vector<graph::KeyframeId>{1}));
+  EXPECT_EQ(sut.lost_records, 1U);
+}
+
+TEST_F(SessionTest, TakesNothingOfAnotherSessionsFiles) {
+  {
+    SessionBegin other = kBegin;
+    other.session = 78;
+    SessionWriter writer(folder_ / "other", other, {});
+    writer.write(made_keyframe(9));
+  }
+  write_small();
+  fs::copy_file(folder_ / "other" / segment_name(0), folder_ / segment_name(1));
+
+  const Session sut = read_session(folder_);
+
+  EXPECT_EQ(ids_of(sut), (std::vector<graph::KeyframeId>{0, 1, 2}));
+  ASSERT_EQ(sut.damage.size(), 2U);
+  EXPECT_EQ(sut.damage[1].what, "belongs to another session");
+}
+
+TEST_F(SessionTest, RefusesWhatNoMapCanHold) {
+  SessionKeyframe far = made_keyframe(1);
+  far.T_odom_base.translation().x() = 1e300;
+  SessionKeyframe leaning = made_keyframe(2);
+  leaning.gravity->std_rad = 0.0;
+  {
+    SessionWriter writer(folder_, kBegin, {});
+    writer.write(far);
+    writer.write(leaning);
+    writer.write(made_loop(1, 2, 1, true));
+  }
+
+  const Session sut = read_session(folder_);
+
+  EXPECT_TRUE(sut.keyframes.empty());
+  ASSERT_EQ(sut.damage.size(), 3U);
+  EXPECT_EQ(sut.damage[0].what, "lies beyond all bounds");
+  EXPECT_EQ(sut.damage[1].what, "holds a vertical that is none");
+  EXPECT_EQ(sut.damage[2].what, "joins no earlier keyframe with a later one");
 }
 
 TEST_F(SessionTest, SaysWhereThereIsNone) {
