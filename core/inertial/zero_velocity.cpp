@@ -58,12 +58,13 @@ bool ZeroVelocityUpdate::update(std::span<const ImuSample> samples,
                                 std::span<const WheelSample> wheels,
                                 const ImuNoise& noise,
                                 NavState& state,
-                                Covariance& P) const {
+                                Covariance& P) {
   if (!is_still(samples, wheels)) {
     return false;
   }
   const double speed_std_mps = std::sqrt(P.diagonal().segment<3>(kVelocity).maxCoeff());
-  if (!samples.empty() && state.v_odom_imu.norm() + 2.0 * speed_std_mps > config_.sure_below_mps) {
+  const double sure_mps = is_held_ || !wheels.empty() ? config_.sure_below_mps : config_.begin_below_mps;
+  if (!samples.empty() && !(state.v_odom_imu.norm() + 2.0 * speed_std_mps <= sure_mps)) {
     return false;
   }
   using Vector6 = Eigen::Matrix<double, 6, 1>;
@@ -79,7 +80,7 @@ bool ZeroVelocityUpdate::update(std::span<const ImuSample> samples,
   S.diagonal().head<3>().array() += config_.speed_std_mps * config_.speed_std_mps;
   S.diagonal().tail<3>().array() += rate_variance;
   const Eigen::LDLT<Matrix6> solver(S);
-  if (residual.dot(solver.solve(residual)) > config_.gate_sq) {
+  if (!(residual.dot(solver.solve(residual)) <= config_.gate_sq)) {
     return false;
   }
   const Eigen::Matrix<double, kErrorStates, 6> PHt = P.middleCols<6>(kVelocity);
@@ -87,6 +88,7 @@ bool ZeroVelocityUpdate::update(std::span<const ImuSample> samples,
   state = boxplus(state, ErrorState(gain * residual));
   P.noalias() -= gain * PHt.transpose();
   P = (0.5 * (P + P.transpose())).eval();
+  is_held_ = true;
   return true;
 }
 

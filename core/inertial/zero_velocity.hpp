@@ -9,10 +9,11 @@ namespace slamd::inertial {
 
 /// When a vehicle passes for standing still, and how firmly that is believed.
 struct ZeroVelocityConfig {
-  std::size_t min_samples = 8;          // fewer say nothing about their spread
+  std::size_t min_samples = 5;          // fewer say nothing about their spread
   double gyro_std_radps = 0.02;         // spread within the samples: more is a drive, or a hand
   double accel_std_mps2 = 0.35;
-  double sure_below_mps = 0.15;         // the filter must know (2σ) the speed to be less
+  double begin_below_mps = 0.03;        // the filter must know (2σ) the speed to be less before it is held,
+  double sure_below_mps = 0.15;         // and this once it is, or where wheels stand
   double wheels_below_mps = 0.02;       // wheels that turn rule rest out
   double wheels_below_radps = 0.02;
   double speed_std_mps = 0.003;         // of the pseudo measurement "velocity is zero"
@@ -22,8 +23,8 @@ struct ZeroVelocityConfig {
 
 /// Holds a vehicle that stands while no scan does: velocity and turn rate are measured to be zero.
 ///
-/// An inertial sensor alone cannot tell rest from an even drive: so the filter, too, must know that the speed is next to
-/// nothing, and a start must show as an acceleration that contradicts the zero velocity which was held till then.
+/// An inertial sensor alone cannot tell rest from an even drive: so the filter, too, must know by the last scans that the speed is
+/// next to nothing (a creep of less than 3 cm/s without wheels is held all the same), and a start must show as an acceleration that contradicts the zero velocity which was held till then.
 /// Source: zero-velocity and zero-angular-rate updates with a gate on the normalised innovation (Skog et al., 2010).
 /// Real-time: no allocation; O(samples + 17²).
 class ZeroVelocityUpdate {
@@ -37,13 +38,17 @@ class ZeroVelocityUpdate {
               std::span<const sensor::WheelSample> wheels,
               const ImuNoise& noise,
               NavState& state,
-              Covariance& P) const;
+              Covariance& P);
+
+  /// A scan says how fast the vehicle is: what was held before counts no longer.
+  void release() { is_held_ = false; }
 
  private:
   double rate_variance_of(std::span<const sensor::ImuSample> samples, const ImuNoise& noise) const;
   bool is_still(std::span<const sensor::ImuSample> samples, std::span<const sensor::WheelSample> wheels) const;
 
   ZeroVelocityConfig config_;
+  bool is_held_ = false;
 };
 
 }  // namespace slamd::inertial

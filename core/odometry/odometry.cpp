@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "core/geometry/so3.hpp"
 
@@ -95,7 +96,8 @@ OdometryResult Odometry::process(const DeskewedScan& scan,
   if (!between_scans_) {
     wheels_.begin_transition();
   }
-  between_scans_ = false;
+  const bool after_silence = std::exchange(between_scans_, false);
+  zero_velocity_.release();
   const NavState before = state_;
   const Cause prediction_cause = predict(scan.end, samples, wheels);             // 1
   if (map_.empty()) {
@@ -106,7 +108,7 @@ OdometryResult Odometry::process(const DeskewedScan& scan,
     nothing.P = P_;
     return result_of(scan, prediction_cause, nothing);
   }
-  if (lost_the_thread(scan, prediction_cause)) {
+  if (after_silence || lost_the_thread(scan, prediction_cause)) {
     confirmed_ = false;
     agreeing_scans_ = 0;
   }
@@ -463,9 +465,9 @@ State Odometry::next_state(Cause cause) {
 // Lost is also who no longer knows within a recovery swarm's reach where he is, and whom no scan has told since.
 bool Odometry::is_lost() const {
   const auto std_of = [&](int block) { return std::sqrt(P_.diagonal().segment<3>(block).maxCoeff()); };
-  const bool astray = std_of(kPosition) > config_.lost_position_std_m || std_of(kRotation) > config_.lost_rotation_std_rad;
+  const bool knows = std_of(kPosition) <= config_.lost_position_std_m && std_of(kRotation) <= config_.lost_rotation_std_rad;
   return bad_scans_ > config_.lost_after || unconfirmed_scans_ > config_.lost_unconfirmed_after ||
-         (astray && (between_scans_ || !confirmed_));
+         (!knows && (between_scans_ || !confirmed_));
 }
 
 }  // namespace slamd::odometry

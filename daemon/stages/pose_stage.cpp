@@ -41,8 +41,8 @@ void PoseStage::add_anchor(const Anchor& anchor) {
   P_ = anchor.P;
   if (!imu_.empty() && config_.use_imu) {
     const auto samples = imu_.samples();
-    if (samples.back().stamp > state_.stamp) {
-      inertial::propagate(state_, P_, samples, samples.back().stamp, config_.imu_noise);
+    for (std::size_t i = 0; i < samples.size(); ++i) {
+      advance(samples[i > 0 ? i - 1 : 0], samples[i]);
     }
   }
   if (first || begins_anew || shown_before.stamp < state_.stamp) {
@@ -63,6 +63,18 @@ void PoseStage::add_anchor(const Anchor& anchor) {
   blend_begin_ = state_.stamp;
 }
 
+void PoseStage::advance(const ImuSample& before, const ImuSample& after) {
+  const Stamp from = std::max(before.stamp, state_.stamp);
+  if (after.stamp - from > inertial::kLongestBridge) {
+    inertial::propagate_unseen(state_, P_, after.stamp, config_.unseen);
+  } else if (after.stamp > state_.stamp) {
+    const ImuSample first = inertial::interpolate(before, after, from);
+    inertial::propagate_interval(state_, P_, inertial::mean_of(first, after), to_seconds(after.stamp - state_.stamp),
+                                 config_.imu_noise);
+    state_.stamp = after.stamp;
+  }
+}
+
 std::optional<PredictedPose> PoseStage::add_imu(ImuSample sample) {
   sample.stamp -= config_.imu_offset;
   const bool had_one = !imu_.empty();
@@ -70,15 +82,7 @@ std::optional<PredictedPose> PoseStage::add_imu(ImuSample sample) {
   if (!imu_.push(sample) || !has_anchor_) {
     return std::nullopt;
   }
-  if (sample.stamp - std::max(before.stamp, state_.stamp) > inertial::kLongestBridge) {
-    inertial::propagate_unseen(state_, P_, sample.stamp, config_.unseen);
-  } else if (sample.stamp > state_.stamp) {
-    const Stamp from = std::max(before.stamp, state_.stamp);
-    const ImuSample first = inertial::interpolate(before, sample, from);
-    inertial::propagate_interval(state_, P_, inertial::mean_of(first, sample), to_seconds(sample.stamp - state_.stamp),
-                                 config_.imu_noise);
-    state_.stamp = sample.stamp;
-  }
+  advance(before, sample);
   return shown(blended(state_), sample.angular_rate_radps - state_.gyro_bias);
 }
 

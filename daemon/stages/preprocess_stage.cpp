@@ -149,7 +149,7 @@ bool PreprocessStage::process(const sensor::Scan& scan, PreprocessedScan& out) {
   if (!started_ && !start(scan, out)) {
     return false;
   }
-  lateness_ = std::max(heard_ - scan.end, lateness_ - lateness_ / 128);
+  note_lateness(scan);
   if (reached_ > scan_end_ && scan.end <= reached_) {
     return false;
   }
@@ -159,6 +159,13 @@ bool PreprocessStage::process(const sensor::Scan& scan, PreprocessedScan& out) {
   deskew_and_extract(scan, out);
   out.preprocess_ms = thread_cpu_ms() - begin_ms;
   return true;
+}
+
+// What a silence has cut off ends when it began: that is no lateness of the LiDAR's.
+void PreprocessStage::note_lateness(const sensor::Scan& scan) {
+  const Duration late = heard_ - scan.end;
+  const Duration faded = lateness_ - lateness_ / 128;
+  lateness_ = scan.complete || late < kSilence ? std::max(late, faded) : faded;
 }
 
 bool PreprocessStage::go_on_without_scan(PreprocessedScan& out) {

@@ -51,9 +51,9 @@ class PreprocessStage {
 
   /// So long after a scan's end another one should have come; then the odometry goes on without, a step at a time, and
   /// stays behind the newest sample by what a scan is long, and late.
-  static constexpr Duration kSilence = std::chrono::milliseconds(600);
+  static constexpr Duration kSilence = std::chrono::milliseconds(650);
   static constexpr Duration kSilentStep = std::chrono::milliseconds(100);
-  static constexpr Duration kSilentLag = std::chrono::milliseconds(300);
+  static constexpr Duration kSilentLag = std::chrono::milliseconds(350);
   /// While there is no scan to start with, odom is levelled anew so often: what it was level with may have been moved.
   static constexpr Duration kLevelAgain = std::chrono::seconds(1);
 
@@ -96,6 +96,7 @@ class PreprocessStage {
   void level(const sensor::ImuSample& sample);
   bool start(const sensor::Scan& scan, PreprocessedScan& out);
   Stamp next_heard() const;
+  void note_lateness(const sensor::Scan& scan);
   void hand_over_samples(Stamp to, PreprocessedScan& out);
   const Feedback& feedback_at(std::uint64_t sequence) const;
   void deskew_and_extract(const sensor::Scan& scan, PreprocessedScan& out);

@@ -187,6 +187,7 @@ class Player {
   void take_wheels(Stamp until) {
     for (; wheels_.next() && wheels_.next()->stamp <= until; wheels_.advance()) {
       front_end_.add_wheel(*wheels_.next());
+      release(wheels_.next()->stamp);
       go_on_without_scan();
     }
   }

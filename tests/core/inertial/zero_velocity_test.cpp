@@ -85,6 +85,19 @@ TEST(ZeroVelocityUpdate, LeavesAnEvenDriveAlone) {
   EXPECT_NEAR(fixture.state.T_odom_imu.translation().x(), 2.5, 0.5);
 }
 
+TEST(ZeroVelocityUpdate, LeavesACreepAlone) {
+  for (const double speed_mps : {0.05, 0.1, 0.2}) {
+    Unwatched fixture;
+    fixture.state.v_odom_imu = {speed_mps, 0.0, 0.0};
+
+    for (int i = 0; i < 50; ++i) {
+      fixture.step();
+    }
+
+    EXPECT_EQ(fixture.held, 0) << speed_mps;
+  }
+}
+
 TEST(ZeroVelocityUpdate, LetsGoWhenTheVehicleStartsHoweverGently) {
   for (const double acceleration_mps2 : {0.2, 0.5, 2.0}) {
     Unwatched fixture;

@@ -82,6 +82,22 @@ TEST(PoseStage, DoesNotFlyAwayOverATimeOfWhichNobodyTells) {
   EXPECT_EQ(pose->cause, odometry::Cause::kNoLidar);
 }
 
+TEST(PoseStage, DoesNotFlyAwayByAnAnchorThatLiesBeforeSuchATime) {
+  PoseStage sut(config(), kScan);
+  sut.add_imu(sample(0));
+  sut.add_anchor(anchor(0, 2.0, 0.0));
+  ImuSample after = sample(60 * 200);
+  after.specific_force_mps2.x() = 0.05;
+  sut.add_imu(after);
+
+  sut.add_anchor(anchor(20, 2.0, 0.0));
+  const auto pose = sut.add_imu(sample(60 * 200 + 1));
+
+  ASSERT_TRUE(pose);
+  EXPECT_LT((pose->T_odom_base.translation() - Eigen::Vector3d(2.0, 0.0, 0.0)).norm(), 0.01);
+  EXPECT_EQ(pose->reset_counter, 0U);
+}
+
 TEST(PoseStage, CatchesUpWithSamplesThatAreNewerThanALateAnchor) {
   PoseStage sut(config(), kScan);
   for (int k = 0; k <= 10; ++k) {
