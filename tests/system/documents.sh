@@ -68,7 +68,8 @@ while IFS= read -r line; do
   esac
   if [ ! -x "$program" ]; then unknown+=("$program"); continue; fi
   lines=$((lines + 1))
-  { "$program" --help; "$program" "${words[1]:---help}" --help; } >"$scratch/help" 2>&1  # of its command, too
+  "$program" --help >"$scratch/help" 2>&1
+  if grep -qE "^  ${words[1]:-none}  " "$scratch/help"; then "$program" "${words[1]}" --help >>"$scratch/help" 2>&1; fi  # its command
   for word in "${words[@]:1}"; do
     if [[ $word =~ ^--[a-z-]+ ]] && ! grep -qE -- "(^|[ ,[])${BASH_REMATCH[0]}([],= ]|$)" "$scratch/help"; then
       unknown+=("${words[0]} ${BASH_REMATCH[0]}")
