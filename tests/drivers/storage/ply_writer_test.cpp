@@ -12,7 +12,7 @@
 
 #include "core/base/bytes.hpp"
 #include "drivers/storage/ply_reader.hpp"
-#include "drivers/clouds/point_folder.hpp"
+#include "tests/drivers/storage/read_back.hpp"
 
 namespace slamd::storage {
 namespace {
@@ -92,15 +92,10 @@ TEST_F(PlyWriterTest, IsReadBackAsItWasWritten) {
   }
   sut.close();
 
-  std::vector<std::byte> bytes;
-  clouds::RawCloud cloud;
-  ASSERT_FALSE(clouds::read_cloud_file(file_, bytes, cloud));
-  ASSERT_EQ(cloud.points, points.size());
-  EXPECT_EQ(cloud.columns.size(), 3U);
+  const auto read = read_back(file_);
+  ASSERT_EQ(read.size(), points.size());
   for (std::size_t i = 0; i < points.size(); ++i) {
-    const Eigen::Vector3d read(cloud.number(*cloud.find("x"), i), cloud.number(*cloud.find("y"), i),
-                               cloud.number(*cloud.find("z"), i));
-    ASSERT_EQ(read, points[i].cast<double>()) << i;
+    ASSERT_EQ(read[i], points[i].cast<double>()) << i;
   }
 }
 
@@ -109,10 +104,7 @@ TEST_F(PlyWriterTest, WritesACloudWithoutAPoint) {
 
   sut.close();
 
-  std::vector<std::byte> bytes;
-  clouds::RawCloud cloud;
-  ASSERT_FALSE(clouds::read_cloud_file(file_, bytes, cloud));
-  EXPECT_EQ(cloud.points, 0U);
+  EXPECT_TRUE(read_back(file_).empty());
 }
 
 TEST_F(PlyWriterTest, ReplacesAnOlderFileWhole) {

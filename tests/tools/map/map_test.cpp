@@ -5,8 +5,6 @@
 
 #include <nlohmann/json.hpp>
 
-#include "drivers/clouds/point_folder.hpp"
-#include "drivers/storage/pcd_writer.hpp"
 #include "tests/scratch/scratch_folder.hpp"
 #include "tools/map/navigation_grid.hpp"
 #include "tools/map/reoptimise.hpp"
@@ -147,22 +145,6 @@ TEST_F(MapFiles, HoldTheGridAsNavigationStacksReadIt) {
   EXPECT_EQ(text_of(folder_ / "floor.pgm"), expected);
   EXPECT_EQ(text_of(folder_ / "floor.yaml"),
             "image: floor.pgm\nresolution: 0.05\norigin: [-1.000000, 2.500000, 0.0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n");
-}
-
-TEST_F(MapFiles, HoldACloudThatTheReaderOfPcdTakes) {
-  const std::vector<Eigen::Vector3f> points{{1.0F, -2.0F, 3.5F}, {0.25F, 0.0F, -7.0F}};
-
-  storage::write_pcd(folder_ / "0.pcd", points);
-
-  std::vector<std::byte> bytes;
-  clouds::RawCloud cloud;
-  ASSERT_FALSE(clouds::read_cloud_file(folder_ / "0.pcd", bytes, cloud));
-  ASSERT_EQ(cloud.points, 2U);
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    const Eigen::Vector3d read(cloud.number(*cloud.find("x"), i), cloud.number(*cloud.find("y"), i), cloud.number(*cloud.find("z"), i));
-    EXPECT_EQ(read, points[i].cast<double>()) << i;
-  }
-  EXPECT_NE(scratch::message_of<std::runtime_error>([&] { storage::write_pcd(folder_ / "no" / "0.pcd", points); }).find("No such file"), std::string::npos);
 }
 
 TEST(SessionInfo, TellsWhatIsThereAndWhatIsWrong) {
