@@ -24,7 +24,8 @@ struct ZeroVelocityConfig {
 /// Holds a vehicle that stands while no scan does: velocity and turn rate are measured to be zero.
 ///
 /// An inertial sensor alone cannot tell rest from an even drive: so the filter, too, must know by the last scans that the speed is
-/// next to nothing (a creep of less than 3 cm/s without wheels is held all the same), and a start must show as an acceleration that contradicts the zero velocity which was held till then.
+/// next to nothing (a creep of less than 3 cm/s without wheels is held all the same), and a start must show as an acceleration
+/// that contradicts the zero velocity which was held till then.
 /// Source: zero-velocity and zero-angular-rate updates with a gate on the normalised innovation (Skog et al., 2010).
 /// Real-time: no allocation; O(samples + 17²).
 class ZeroVelocityUpdate {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <ranges>
 
 namespace slamd::mapping {
 
@@ -37,8 +38,10 @@ void Appearance::propose(const KeyframeStore& keyframes, const GraphUncertainty&
   while (end < keyframes.size() && query.path_m - keyframes[end].path_m >= config.recent_m) {
     ++end;
   }
-  if (end == 0) {
-    return;
+  const auto is_uncertain = [&](std::size_t i) { return uncertainty.position_std_m(i) > config.least_uncertain_m; };
+  const auto behind = std::views::iota(std::size_t{0}, end);
+  if (std::ranges::none_of(behind, is_uncertain)) {
+    return;  // as in ordinary drives: no search
   }
   std::size_t proposed = 0;
   for (const loop::Candidate& candidate : bank_.search(net_, *newest_, keyframes[end - 1].id + 1)) {
@@ -49,7 +52,7 @@ void Appearance::propose(const KeyframeStore& keyframes, const GraphUncertainty&
     const bool is_of_known_pass = std::any_of(out.begin(), out.end(), [&](const loop::LoopProposal& other) {
       return std::abs(keyframes[other.keyframe].path_m - keyframes[i].path_m) < config.apart_m;
     });
-    if (is_of_known_pass || uncertainty.position_std_m(i) <= config.least_uncertain_m) {
+    if (is_of_known_pass || !is_uncertain(i)) {
       continue;
     }
     const Se3 T_candidate_query = guess_of(keyframes[i], query, candidate.yaw_rad);

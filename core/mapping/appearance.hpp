@@ -27,7 +27,7 @@ struct AppearanceConfig {
 };
 
 /// What the keyframes look like to Loop-Net, for where the graph no longer knows where they lie.
-/// Memory: sized once, 15,876 bytes a keyframe.  Mapping thread only: 2 ms a keyframe, and up to 2 ms a search.
+/// Memory: sized once, 15,876 bytes a keyframe.  Mapping thread only: 2 ms a keyframe, and up to 2 ms a search, where a place is uncertain.
 class Appearance {
  public:
   explicit Appearance(std::size_t keyframes);

@@ -2,19 +2,15 @@
 
 #include <cerrno>
 #include <cstring>
-#include <ctime>
 
+#include "daemon/stages/preprocess_stage.hpp"
 #include "drivers/recording/packet.hpp"
 
 namespace slamd::replay {
 
-namespace {
+using stages::thread_cpu_ms;
 
-double thread_cpu_ms() {
-  std::timespec now{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return 1e3 * static_cast<double>(now.tv_sec) + 1e-6 * static_cast<double>(now.tv_nsec);
-}
+namespace {
 
 /// Words for loop_trials.csv.
 const char* word_of(const mapping::LoopTrial& trial, const std::optional<graph::LoopVerdict>& end) {

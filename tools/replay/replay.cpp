@@ -15,14 +15,9 @@ using configuration::LidarModel;
 using recording::Packet;
 using sensor::ImuSample;
 using sensor::Scan;
+using stages::thread_cpu_ms;
 
 namespace {
-
-double thread_cpu_ms() {
-  std::timespec now{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return 1e3 * static_cast<double>(now.tv_sec) + 1e-6 * static_cast<double>(now.tv_nsec);
-}
 
 /// The inertial samples of a recording or a source, one ahead.
 class ImuSource {
