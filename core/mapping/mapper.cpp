@@ -97,7 +97,7 @@ void Mapper::follow(const MappedScan& scan) {
   }
   has_gap_ = has_gap_ || scan.after_gap;
   if (since_keyframe_) {
-    since_keyframe_->add(*scan.motion);
+    since_keyframe_->add(scan.motion);
   }
 }
 
@@ -120,7 +120,7 @@ void Mapper::begin_keyframe(const MappedScan& scan) {
     }
   }
   has_gap_ = false;
-  since_keyframe_.emplace(*scan.motion);
+  since_keyframe_.emplace(scan.motion);
   T_odom_newest_ = scan.T_odom_base;
   cloud_.begin(scan.indoor ? config_.cloud_spacing_indoor_m : config_.cloud_spacing_outdoor_m);
   open_ = open;

@@ -61,7 +61,7 @@ struct MappedScan {
   bool indoor = false;
   bool trusted = false;        // the odometry extended its map by it
   bool after_gap = false;      // scans before it were lost: what the motion's covariance lacks is made up for
-  const odometry::MotionStep* motion = nullptr;
+  odometry::MotionStep motion;  // since the scan before
   std::span<const Eigen::Vector3f> points_imu;  // may be left out: the cloud has less then
 };
 

@@ -37,16 +37,7 @@ mapping::MapperUpdate MappingStage::process(const ScanForMap& scan, std::span<co
     epoch_ = scan.epoch;
     mapper_.restart();
   }
-  mapping::MappedScan mapped;
-  mapped.stamp = scan.stamp;
-  mapped.T_odom_base = scan.T_odom_base;
-  mapped.T_odom_imu = scan.T_odom_imu;
-  mapped.up_odom = scan.up_odom;
-  mapped.up_std_rad = scan.up_std_rad;
-  mapped.indoor = scan.indoor;
-  mapped.trusted = scan.trusted;
-  mapped.after_gap = scan.after_gap;
-  mapped.motion = &scan.motion;
+  mapping::MappedScan mapped = scan;
   mapped.points_imu = points_imu;
   return mapper_.process(mapped);
 }

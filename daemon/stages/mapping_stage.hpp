@@ -12,18 +12,9 @@ namespace slamd::stages {
 /// Returns what the mapper is built from.
 mapping::MapperConfig mapper_config(const configuration::Configuration& configuration);
 
-/// What mapping takes of a scan beside its points: passes between threads by copy.
-struct ScanForMap {
-  Stamp stamp{};
+/// What mapping takes of a scan, and of which odom it is; passes between threads by copy, without its points.
+struct ScanForMap : mapping::MappedScan {
   std::uint32_t epoch = 1;
-  bool indoor = false;
-  bool trusted = false;    // the odometry extended its map by it
-  bool after_gap = false;  // scans before it were lost on the way here
-  geometry::Se3 T_odom_base;
-  geometry::Se3 T_odom_imu;
-  Eigen::Vector3d up_odom = Eigen::Vector3d::UnitZ();
-  double up_std_rad = 0.0;
-  odometry::MotionStep motion;
 };
 
 /// Takes out of a scan's result what mapping needs.

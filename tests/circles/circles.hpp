@@ -60,7 +60,7 @@ class Circles {
     scan.stamp = Stamp{} + steps_ * std::chrono::milliseconds(100);
     scan.T_odom_base = scan.T_odom_imu = T_odom_base_;
     scan.indoor = scan.trusted = true;
-    scan.motion = &motion_;
+    scan.motion = motion_;
     scan.points_imu = points_;
     return scan;
   }
