@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <ranges>
 
 namespace slamd::mapping {
 
@@ -39,8 +38,11 @@ void Appearance::propose(const KeyframeStore& keyframes, const GraphUncertainty&
     ++end;
   }
   const auto is_uncertain = [&](std::size_t i) { return uncertainty.position_std_m(i) > config.least_uncertain_m; };
-  const auto behind = std::views::iota(std::size_t{0}, end);
-  if (std::ranges::none_of(behind, is_uncertain)) {
+  std::size_t first_uncertain = 0;
+  while (first_uncertain < end && !is_uncertain(first_uncertain)) {
+    ++first_uncertain;
+  }
+  if (first_uncertain == end) {
     return;  // as in ordinary drives: no search
   }
   std::size_t proposed = 0;
