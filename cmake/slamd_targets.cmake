@@ -12,7 +12,7 @@ target_compile_options(slamd_flags INTERFACE
   $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>  # g++ 12 sees overlaps in std::string sums that cannot be
   $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>  # g++ 12 sees it in every Eigen matrix that is filled after its declaration
   # ... and, once libstdc++ is precompiled and no longer silenced as a system's header, more of that kind.
-  $<$<BOOL:${SLAMD_PRECOMPILED_HEADERS}>:-Wno-stringop-overflow> $<$<BOOL:${SLAMD_PRECOMPILED_HEADERS}>:-Wno-array-bounds>
+  $<$<AND:$<CXX_COMPILER_ID:GNU>,$<BOOL:${SLAMD_PRECOMPILED_HEADERS}>>:-Wno-stringop-overflow;-Wno-array-bounds>
   -ffp-contract=off  # the same sums on every machine, with FMA or without
   $<$<BOOL:${SLAMD_WARNINGS_AS_ERRORS}>:-Werror>)
 

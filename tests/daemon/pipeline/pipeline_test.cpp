@@ -12,17 +12,13 @@
 
 #include "daemon/configuration/loader.hpp"
 #include "daemon/pipeline/health_monitor.hpp"
-#include "drivers/recording/csv_reader.hpp"
-#include "drivers/recording/pcap_reader.hpp"
 #include "drivers/transport/transport_error.hpp"
-#include "tests/scratch/scratch_folder.hpp"
+#include "tests/daemon/pipeline/room_drive.hpp"
 #include "tests/support/allocation_guard.hpp"
-#include "tools/simulate/simulate.hpp"
 
 namespace slamd::pipeline {
 namespace {
 
-namespace fs = std::filesystem;
 using configuration::Configuration;
 
 /// A UDP socket that plays a sensor on loopback.
@@ -63,33 +59,25 @@ std::vector<std::byte> bytes_of(const std::string& text) {
   return bytes;
 }
 
-/// A drive of a few seconds, simulated once: LiDAR and inertial sensor as they would come over the network.
-class Live : public scratch::ScratchFolder {
+/// A drive of a few seconds in a room, made once: LiDAR and inertial sensor as they would come over the network.
+class Live : public testing::Test {
  protected:
   static void SetUpTestSuite() {
-    const fs::path drive = fs::path(testing::TempDir()) / ("slamd_live_drive_" + std::to_string(getpid()));
-    fs::create_directories(drive);
-    simulate::simulate({.seed = 4, .duration_s = 3.5, .rest_s = 1.3}, drive, nullptr);
-    recording::PcapReader packets(drive / "lidar.pcap");
-    recording::Packet packet;
-    while (packets.next(packet)) {
-      events_.push_back({packet.received, packet.destination_port == 2368 ? kLidarPort : kPositionPort,
-                         {packet.payload.begin(), packet.payload.end()}});
-      lidar_packets_ += packet.destination_port == 2368 ? 1 : 0;
+    const RoomDrive drive = drive_in_room(1.3, 3.5);
+    for (const LidarPacket& packet : drive.packets) {
+      events_.push_back({packet.received, kLidarPort, packet.payload});
     }
-    recording::ImuCsvReader rows(drive / "imu.csv");
-    sensor::ImuSample sample;
-    while (rows.next(sample)) {
+    for (const sensor::ImuSample& sample : drive.samples) {
       char row[200];
       const Eigen::Vector3d& w = sample.angular_rate_radps;
       const Eigen::Vector3d& f = sample.specific_force_mps2;
       std::snprintf(row, sizeof row, "%" PRId64 ",%.9g,%.9g,%.9g,%.9g,%.9g,%.9g\n",
                     static_cast<std::int64_t>(sample.stamp.time_since_epoch().count()), w.x(), w.y(), w.z(), f.x(), f.y(), f.z());
       events_.push_back({sample.stamp + std::chrono::microseconds(200), kImuPort, bytes_of(row)});
-      ++imu_rows_;
     }
+    lidar_packets_ = drive.packets.size();
+    imu_rows_ = drive.samples.size();
     std::stable_sort(events_.begin(), events_.end(), [](const Event& a, const Event& b) { return a.at < b.at; });
-    fs::remove_all(drive);
   }
 
   static Configuration configuration(const std::string& more = "") {
