@@ -49,7 +49,7 @@ endfunction()
 # and a build of everything takes half as long. Names of one source's unnamed namespace then meet those of the next; where
 # they must not, ALONE names the source. The presets dev, tidy and fuzz do without, so that there each source stands alone.
 function(_slamd_unity target)
-  set_target_properties(${target} PROPERTIES UNITY_BUILD ${SLAMD_UNITY_BUILD} UNITY_BUILD_BATCH_SIZE 6)
+  set_target_properties(${target} PROPERTIES UNITY_BUILD ${SLAMD_UNITY_BUILD} UNITY_BUILD_BATCH_SIZE 16)
   if(ARGN)
     set_source_files_properties(${ARGN} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
   endif()
