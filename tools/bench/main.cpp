@@ -4,8 +4,6 @@
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
-
 #include "tools/bench/campaign_page.hpp"
 #include "tools/bench/graph_table.hpp"
 #include "tools/bench/neighbour_peers.hpp"
@@ -160,86 +158,86 @@ int run_graph(const Options& options) {
 
 int main(int argc, char** argv) {
   Options options;
-  CLI::App* campaign = nullptr;
-  CLI::App* pose = nullptr;
-  CLI::App* neighbours = nullptr;
-  CLI::App* graph = nullptr;
-  CLI::App* psf_study = nullptr;
+  cli::Command campaign;
+  cli::Command pose;
+  cli::Command neighbours;
+  cli::Command graph;
+  cli::Command psf_study;
   return cli::run_program(
       argc, argv, "slamd-bench", "Measures slamd.",
-      [&](CLI::App& app) {
-        app.require_subcommand(1);
-        campaign = app.add_subcommand("campaign",
+      [&](const cli::Command& app) {
+        app.require_command();
+        campaign = app.command("campaign",
                                       "Maps simulated drives: worlds x sensors x seeds; goes on where it was stopped");
-        campaign->add_option("SIZE", options.size, "quick: 12 x 60 s; full: 36 x 5 min")
-            ->required()
-            ->check(CLI::IsMember({"quick", "full"}));
-        campaign->add_option("--out", options.out, "Directory for results.jsonl, table.txt, campaign.html")->required();
-        campaign->add_option("--set", options.overrides, "key=value of slamd's configuration")->take_all();
-        CLI::App* rays = app.add_subcommand("rays", "Speed of the simulator's ray casting on one core, by world");
-        rays->add_option("--seed", options.seed, "Of the worlds")->capture_default_str();
-        pose = app.add_subcommand("pose-latency",
+        campaign.option("SIZE", options.size, "quick: 12 x 60 s; full: 36 x 5 min")
+            .required()
+            .one_of({"quick", "full"});
+        campaign.option("--out", options.out, "Directory for results.jsonl, table.txt, campaign.html").required();
+        campaign.option("--set", options.overrides, "key=value of slamd's configuration").take_all();
+        cli::Command rays = app.command("rays", "Speed of the simulator's ray casting on one core, by world");
+        rays.option("--seed", options.seed, "Of the worlds").shows_default();
+        pose = app.command("pose-latency",
                                   "From an inertial sample to the subscriber of its pose: quiet and beside hogs, SCHED_FIFO and SCHED_OTHER");
-        pose->add_option("--seconds", options.pose.seconds, "Of each of the four rows")->check(CLI::Range(5.0, 3600.0))->capture_default_str();
-        pose->add_option("--imu-rate", options.pose.imu_rate_hz, "Hz")->check(CLI::Range(50.0, 1000.0))->capture_default_str();
-        pose->add_option("--pose-bytes", options.pose.pose_bytes, "Poses are padded to this size")->check(CLI::Range(0, 1400))->capture_default_str();
-        pose->add_option("--hogs", options.pose.hogs, "Programs that only compute")->check(CLI::Range(1, 64))->capture_default_str();
-        pose->add_flag("--json", options.json, "Print JSON");
-        neighbours = app.add_subcommand(
+        pose.option("--seconds", options.pose.seconds, "Of each of the four rows").within(5.0, 3600.0).shows_default();
+        pose.option("--imu-rate", options.pose.imu_rate_hz, "Hz").within(50.0, 1000.0).shows_default();
+        pose.option("--pose-bytes", options.pose.pose_bytes, "Poses are padded to this size").within(0, 1400).shows_default();
+        pose.option("--hogs", options.pose.hogs, "Programs that only compute").within(1, 64).shows_default();
+        pose.flag("--json", options.json, "Print JSON");
+        neighbours = app.command(
             "neighbours", "The map's neighbour search beside PCL's KdTreeFLANN and nanoflann: CPU time, ratios, recall");
-        neighbours->add_option("--seed", options.seed, "Of the world")->capture_default_str();
-        neighbours->add_option("--scans", options.scans, "To take the median over")
-            ->check(CLI::Range(1, 500))
-            ->capture_default_str();
-        graph = app.add_subcommand(
+        neighbours.option("--seed", options.seed, "Of the world").shows_default();
+        neighbours.option("--scans", options.scans, "To take the median over")
+            .within(1, 500)
+            .shows_default();
+        graph = app.command(
             "graph", "The factor graph on synthetic drives: CPU time beside Ceres, and what becomes of true and false loops");
-        graph->add_option("--keyframes", options.graph.keyframes, "One or more sizes to time")
-            ->check(CLI::Range(300, 10'000))
-            ->capture_default_str();
-        graph->add_option("--seed", options.graph.seed, "Of the first drive")->capture_default_str();
-        graph->add_option("--drives", options.graph.drives, "Of each campaign; 0: time only")
-            ->check(CLI::Range(0, 1'000))
-            ->capture_default_str();
-        graph->add_flag("--json", options.json, "Print JSON");
-        psf_study = app.add_subcommand(
+        graph.option("--keyframes", options.graph.keyframes, "One or more sizes to time")
+            .within(300, 10'000)
+            .shows_default();
+        graph.option("--seed", options.graph.seed, "Of the first drive").shows_default();
+        graph.option("--drives", options.graph.drives, "Of each campaign; 0: time only")
+            .within(0, 1'000)
+            .shows_default();
+        graph.flag("--json", options.json, "Print JSON");
+        psf_study = app.command(
             "psf-study", "The particle swarm filter beside EKFs, a plain particle filter and its literal form: wrong priors, bursts, a bad inertial sensor");
-        psf_study->add_option("--out", options.out, "Directory for psf-study.md, .json and the charts")->required();
-        psf_study->add_option("--n", options.study.n, "Draws a cell")->check(CLI::Range(1, 100000))->capture_default_str();
-        psf_study->add_option("--seed", options.seed, "Of worlds and draws")->capture_default_str();
-        psf_study->add_option("--world", options.study.worlds, "One or more; default: all six")
-            ->check(CLI::IsMember(simulate::world_names()));
-        psf_study->add_option("--estimator", options.study.estimators, "One or more; default: all")
-            ->check(CLI::IsMember(study::estimator_names(study::Experiment::kRegistration)));
-        psf_study->add_option("--experiment", options.experiment, "registration, tracking or both")
-            ->check(CLI::IsMember({"registration", "tracking", "both"}))
-            ->capture_default_str();
-        psf_study->add_option("--prior", options.prior, "What the filters are told of the errors: not-told, told or both")
-            ->check(CLI::IsMember({"not-told", "told", "both"}))
-            ->capture_default_str();
-        psf_study->add_option("--set", options.study.overrides, "key=value of slamd's configuration")->take_all();
-        psf_study->add_option("--drives", options.study.drives, "A world, of successive seeds")
-            ->check(CLI::Range(1, 100))
-            ->capture_default_str();
-        psf_study->add_option("--seconds", options.study.drive_s, "Of each drive")
-            ->check(CLI::Range(15.0, 300.0))
-            ->capture_default_str();
-        psf_study->add_option("--threads", options.study.threads, "The result is the same for any number")
-            ->check(CLI::Range(1, 64))
-            ->capture_default_str();
+        psf_study.option("--out", options.out, "Directory for psf-study.md, .json and the charts").required();
+        psf_study.option("--n", options.study.n, "Draws a cell").within(1, 100000).shows_default();
+        psf_study.option("--seed", options.seed, "Of worlds and draws").shows_default();
+        psf_study.option("--world", options.study.worlds, "One or more; default: all six")
+            .one_of(simulate::world_names());
+        psf_study.option("--estimator", options.study.estimators, "One or more; default: all")
+            .one_of(study::estimator_names(study::Experiment::kRegistration));
+        psf_study.option("--experiment", options.experiment, "registration, tracking or both")
+            .one_of({"registration", "tracking", "both"})
+            .shows_default();
+        psf_study.option("--prior", options.prior, "What the filters are told of the errors: not-told, told or both")
+            .one_of({"not-told", "told", "both"})
+            .shows_default();
+        psf_study.option("--set", options.study.overrides, "key=value of slamd's configuration").take_all();
+        psf_study.option("--drives", options.study.drives, "A world, of successive seeds")
+            .within(1, 100)
+            .shows_default();
+        psf_study.option("--seconds", options.study.drive_s, "Of each drive")
+            .within(15.0, 300.0)
+            .shows_default();
+        psf_study.option("--threads", options.study.threads, "The result is the same for any number")
+            .within(1, 64)
+            .shows_default();
       },
       [&] {
-        if (campaign->parsed()) {
+        if (campaign.is_given()) {
           return run_campaign(options);
         }
-        if (pose->parsed()) {
+        if (pose.is_given()) {
           return run_pose_latency(options);
         }
-        if (graph->parsed()) {
+        if (graph.is_given()) {
           return run_graph(options);
         }
-        if (psf_study->parsed()) {
+        if (psf_study.is_given()) {
           return run_psf_study(options);
         }
-        return neighbours->parsed() ? run_neighbours(options) : run_rays(options);
+        return neighbours.is_given() ? run_neighbours(options) : run_rays(options);
       });
 }

@@ -5,8 +5,6 @@
 #include <algorithm>
 #include <cstdio>
 
-#include <CLI/CLI.hpp>
-
 #include "daemon/configuration/configuration.hpp"
 
 namespace slamd::cli {
@@ -28,22 +26,14 @@ int run_program(int argc,
                 char** argv,
                 const std::string& name,
                 const std::string& description,
-                const std::function<void(CLI::App&)>& declare,
+                const std::function<void(const Command&)>& declare,
                 const std::function<int()>& run) {
-  CLI::App app(description, name);
-  app.set_version_flag("--version", name + " " SLAMD_VERSION);
-  app.get_formatter()->column_width(34);
-  declare(app);
   try {
-    app.parse(argc, argv);
-  } catch (const CLI::CallForHelp& call) {
-    return app.exit(call);
-  } catch (const CLI::CallForVersion& call) {
-    return app.exit(call);
-  } catch (const CLI::ParseError& error) {
-    return complain(name, std::string(error.what()) + " (try --help)", 2);
-  }
-  try {
+    CommandLine line(name, description, SLAMD_VERSION);
+    declare(line.program());
+    if (const std::optional<int> done = line.read(argc, argv)) {
+      return *done;
+    }
     return run();
   } catch (const UsageError& error) {
     return complain(name, error.what(), 2);

@@ -6,8 +6,6 @@
 #include <thread>
 #include <vector>
 
-#include <CLI/CLI.hpp>
-
 #include "tools/cli/cli.hpp"
 #include "tools/ctl/ctl.hpp"
 
@@ -18,19 +16,19 @@ using namespace slamd;
 /// A large map takes some seconds to be copied between the scans.
 constexpr double kSavePatience_s = 30.0;
 
-void declare(CLI::App& app, ctl::Options& options) {
-  app.add_option("--url", options.url, "LCM's URL, as lcm.url of the daemon")->capture_default_str();
-  app.add_option("--prefix", options.prefix, "Of the channels, as lcm.prefix of the daemon")->capture_default_str();
-  app.add_option("--timeout", options.timeout_s, "How long to wait for the answer, s")->check(CLI::Range(0.1, 3600.0))->capture_default_str();
-  app.require_subcommand(1);
+void declare(const cli::Command& app, ctl::Options& options) {
+  app.option("--url", options.url, "LCM's URL, as lcm.url of the daemon").shows_default();
+  app.option("--prefix", options.prefix, "Of the channels, as lcm.prefix of the daemon").shows_default();
+  app.option("--timeout", options.timeout_s, "How long to wait for the answer, s").within(0.1, 3600.0).shows_default();
+  app.require_command();
   const auto add = [&](const char* verb, const char* help, const std::vector<std::string>& names) {
-    CLI::App* command = app.add_subcommand(verb, help);
-    command->fallthrough();  // --timeout may stand behind, too
+    const cli::Command command = app.command(verb, help);
+    command.takes_outer_options();  // --timeout may stand behind, too
     const auto values = std::make_shared<std::vector<std::string>>(names.size());
     for (std::size_t i = 0; i < names.size(); ++i) {
-      command->add_option(names[i], (*values)[i])->required()->option_text(" ");
+      command.option(names[i], (*values)[i], "").required().unlabelled();
     }
-    command->callback([&options, verb, values] {
+    command.when_given([&options, verb, values] {
       options.command.verb = verb;
       options.command.arguments = *values;
     });
@@ -39,12 +37,12 @@ void declare(CLI::App& app, ctl::Options& options) {
   add("save", "Saves map and trajectory as a folder of the daemon's output.save_directory", {"NAME"});
   add("set-pose", "Says where base is in map: m, m, m, degrees", {"X", "Y", "Z", "YAW_DEG"});
   add("seal", "Keeps what the black box holds now", {});
-  CLI::App* const drive = app.add_subcommand("drive", "Moves a simulated vehicle (slamd-simulate --drive) for a time, then stops it");
-  drive->fallthrough();
-  drive->add_option("V", options.velocity.v_mps, "m/s ahead")->required()->check(CLI::Range(-100.0, 100.0));
-  drive->add_option("W", options.velocity.w_radps, "rad/s to the left")->required()->check(CLI::Range(-100.0, 100.0));
-  drive->add_option("SECONDS", options.drive_s, "how long")->required()->check(CLI::Range(0.0, 3600.0));
-  drive->callback([&options] { options.drives = true; });
+  const cli::Command drive = app.command("drive", "Moves a simulated vehicle (slamd-simulate --drive) for a time, then stops it");
+  drive.takes_outer_options();
+  drive.option("V", options.velocity.v_mps, "m/s ahead").required().within(-100.0, 100.0);
+  drive.option("W", options.velocity.w_radps, "rad/s to the left").required().within(-100.0, 100.0);
+  drive.option("SECONDS", options.drive_s, "how long").required().within(0.0, 3600.0);
+  drive.when_given([&options] { options.drives = true; });
   app.footer("Exit: 0 done, 1 refused or no answer, 2 bad usage.");
 }
 
@@ -72,5 +70,5 @@ int run(ctl::Options& options) {
 int main(int argc, char** argv) {
   ctl::Options options;
   return cli::run_program(argc, argv, "slamd-ctl", "Gives an order to a running slamd and prints its answer.",
-                          [&](CLI::App& app) { declare(app, options); }, [&] { return run(options); });
+                          [&](const cli::Command& app) { declare(app, options); }, [&] { return run(options); });
 }

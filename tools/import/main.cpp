@@ -2,8 +2,6 @@
 #include <filesystem>
 #include <string>
 
-#include <CLI/CLI.hpp>
-
 #include "drivers/recording/packet.hpp"
 #include "tools/cli/cli.hpp"
 #include "tools/import/bag_import.hpp"
@@ -26,25 +24,25 @@ struct Arguments {
   std::string imu_topic;
 };
 
-void declare(CLI::App& app, Arguments& arguments) {
-  app.add_option(
+void declare(const cli::Command& app, Arguments& arguments) {
+  app.option(
          "SOURCE", arguments.source, "Folder of clouds (KITTI, MulRan, PCD, PLY), or a ROS 1 bag")
-      ->required();
-  app.add_option("RECORDING_DIR", arguments.directory, "Where the recording goes")->required();
-  app.add_flag("--force", arguments.force, "Overwrite the recording that is there");
-  app.add_flag("--compensated",
+      .required();
+  app.option("RECORDING_DIR", arguments.directory, "Where the recording goes").required();
+  app.flag("--force", arguments.force, "Overwrite the recording that is there");
+  app.flag("--compensated",
                arguments.compensated,
                "The clouds are deskewed already: ignore point times");
-  app.add_option(
+  app.option(
          "--rate", arguments.scans_per_second, "Scans per second, for clouds without stamps")
-      ->check(CLI::Range(0.5, 100.0))
-      ->capture_default_str();
-  app.add_option("--truth",
+      .within(0.5, 100.0)
+      .shows_default();
+  app.option("--truth",
                  arguments.truth,
                  "Reference poses: TUM, or KITTI rows, one a scan (folders only)")
-      ->check(CLI::ExistingFile);
-  app.add_option("--lidar-topic", arguments.lidar_topic, "Bags: the LiDAR's topic");
-  app.add_option("--imu-topic", arguments.imu_topic, "Bags: the inertial sensor's topic");
+      .existing_file();
+  app.option("--lidar-topic", arguments.lidar_topic, "Bags: the LiDAR's topic");
+  app.option("--imu-topic", arguments.imu_topic, "Bags: the inertial sensor's topic");
   app.footer(BagReader::available()
                  ? ""
                  : "This build cannot read ROS bags (librosbag-storage-dev was missing).");
@@ -116,6 +114,6 @@ int main(int argc, char** argv) {
       argv,
       "slamd-import",
       "Turns foreign recordings into a recording directory for slamd-replay.",
-      [&](CLI::App& app) { slamd::importing::declare(app, arguments); },
+      [&](const slamd::cli::Command& app) { slamd::importing::declare(app, arguments); },
       [&] { return slamd::importing::run(arguments); });
 }

@@ -5,8 +5,6 @@
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
-
 #include "tools/cli/cli.hpp"
 #include "tools/loopnet/place_file.hpp"
 #include "tools/loopnet/place_visit.hpp"
@@ -33,31 +31,31 @@ struct Options {
   bool avia = false;
 };
 
-void declare_worlds(CLI::App& app, Options& options) {
-  app.add_option("--out", options.out, "Folder for images.npy, contexts.npy and visits.npy")->required();
-  app.add_option("--worlds", options.worlds, "Kinds of worlds, in turn")->check(CLI::IsMember(place_world_names()))->capture_default_str();
-  app.add_option("--sensors", options.sensors, "One for each world, in turn: vlp16, avia, hdl64, spinning")
-      ->check(CLI::IsMember({"vlp16", "avia", "hdl64", "spinning"}))
-      ->capture_default_str();
-  app.add_option("--seed", options.seed, "Of the first world; the others follow")->capture_default_str();
-  app.add_option("--count", options.count, "Number of worlds")->check(CLI::PositiveNumber)->capture_default_str();
-  app.add_option("--places", options.places, "Places in each world")->check(CLI::PositiveNumber)->capture_default_str();
-  app.add_option("--visits", options.visits, "Visits to each place")->check(CLI::PositiveNumber)->capture_default_str();
-  app.add_option("--submaps", options.submaps, "any; single: one scan each, but for an Avia; mapped: as core/mapping keeps them")
-      ->check(CLI::IsMember({"any", "single", "mapped"}))
-      ->capture_default_str();
+void declare_worlds(const cli::Command& app, Options& options) {
+  app.option("--out", options.out, "Folder for images.npy, contexts.npy and visits.npy").required();
+  app.option("--worlds", options.worlds, "Kinds of worlds, in turn").one_of(place_world_names()).shows_default();
+  app.option("--sensors", options.sensors, "One for each world, in turn: vlp16, avia, hdl64, spinning")
+      .one_of({"vlp16", "avia", "hdl64", "spinning"})
+      .shows_default();
+  app.option("--seed", options.seed, "Of the first world; the others follow").shows_default();
+  app.option("--count", options.count, "Number of worlds").positive().shows_default();
+  app.option("--places", options.places, "Places in each world").positive().shows_default();
+  app.option("--visits", options.visits, "Visits to each place").positive().shows_default();
+  app.option("--submaps", options.submaps, "any; single: one scan each, but for an Avia; mapped: as core/mapping keeps them")
+      .one_of({"any", "single", "mapped"})
+      .shows_default();
 }
 
-void declare_recording(CLI::App& app, Options& options) {
-  app.add_option("--out", options.out, "Folder for images.npy, contexts.npy and visits.npy")->required();
-  app.add_option("--clouds", options.clouds, "Folders of *.bin, *.pcd or *.ply, numbered; each a world of its own")->required();
-  app.add_option("--poses", options.poses, "Their KITTI rows, T_world_lidar; the number in a cloud's name is its row")->required();
-  app.add_option("--submap", options.recorded.submap, "Clouds that a keyframe is shown with: its own and those before")->check(CLI::PositiveNumber)->capture_default_str();
-  app.add_option("--apart", options.recorded.apart_m, "Least distance of keyframes, m")->capture_default_str();
-  app.add_option("--seed", options.recorded.seed, "Of the yaws by which keyframes are turned")->capture_default_str();
-  app.add_flag("!--no-turn", options.recorded.turn, "Leave keyframes as they look");
-  app.add_flag("--indoor", options.recorded.indoor, "Places are 2 m apart, not 5");
-  app.add_flag("--avia", options.avia, "Headings more than 40 degrees apart see different things");
+void declare_recording(const cli::Command& app, Options& options) {
+  app.option("--out", options.out, "Folder for images.npy, contexts.npy and visits.npy").required();
+  app.option("--clouds", options.clouds, "Folders of *.bin, *.pcd or *.ply, numbered; each a world of its own").required();
+  app.option("--poses", options.poses, "Their KITTI rows, T_world_lidar; the number in a cloud's name is its row").required();
+  app.option("--submap", options.recorded.submap, "Clouds that a keyframe is shown with: its own and those before").positive().shows_default();
+  app.option("--apart", options.recorded.apart_m, "Least distance of keyframes, m").shows_default();
+  app.option("--seed", options.recorded.seed, "Of the yaws by which keyframes are turned").shows_default();
+  app.flag("!--no-turn", options.recorded.turn, "Leave keyframes as they look");
+  app.flag("--indoor", options.recorded.indoor, "Places are 2 m apart, not 5");
+  app.flag("--avia", options.avia, "Headings more than 40 degrees apart see different things");
 }
 
 float number_of(const std::string& name) {
@@ -114,15 +112,15 @@ int convert_recordings(Options& options) {
 
 int main(int argc, char** argv) {
   Options options;
-  CLI::App* recording = nullptr;
+  cli::Command recording;
   return cli::run_program(
       argc, argv, "make_places",
       "Makes what Loop-Net is trained and tested with: polar images of places that are visited again.",
-      [&](CLI::App& app) {
-        app.require_subcommand(1);
-        declare_worlds(*app.add_subcommand("worlds", "Simulates visits to places of random worlds"), options);
-        recording = app.add_subcommand("recording", "Takes clouds with known poses");
-        declare_recording(*recording, options);
+      [&](const cli::Command& app) {
+        app.require_command();
+        declare_worlds(app.command("worlds", "Simulates visits to places of random worlds"), options);
+        recording = app.command("recording", "Takes clouds with known poses");
+        declare_recording(recording, options);
       },
-      [&] { return recording->parsed() ? convert_recordings(options) : make_places(options); });
+      [&] { return recording.is_given() ? convert_recordings(options) : make_places(options); });
 }

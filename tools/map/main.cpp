@@ -6,8 +6,6 @@
 #include <stdexcept>
 #include <string>
 
-#include <CLI/CLI.hpp>
-
 #include "drivers/recording/tum.hpp"
 #include "drivers/storage/pcd_writer.hpp"
 #include "drivers/storage/ply_writer.hpp"
@@ -178,29 +176,29 @@ int optimise(const Options& options) {
   return 0;
 }
 
-void declare(CLI::App& app, Options& options) {
-  app.require_subcommand(1);
+void declare(const cli::Command& app, Options& options) {
+  app.require_command();
   const auto add = [&](const char* verb, const char* help) {
-    CLI::App* const command = app.add_subcommand(verb, help);
-    command->add_option("SESSION", options.session, "Folder of a session: DIR/session of slamd-replay")->required();
+    const cli::Command command = app.command(verb, help);
+    command.option("SESSION", options.session, "Folder of a session: DIR/session of slamd-replay").required();
     return command;
   };
-  add("info", "Says what a session holds, and what is wrong with it")->add_flag("--json", options.json, "Print JSON");
-  CLI::App* const to_files = add("export", "Writes the map as clouds, pictures or a grid");
-  to_files->add_option("--ply", options.ply, "Cloud, binary PLY");
-  to_files->add_option("--pcd", options.pcd, "Cloud, binary PCD");
-  to_files->add_option("--tum", options.tum, "Poses of the keyframes, T_map_base");
-  to_files->add_option("--top", options.top, "Picture from above, PNG");
-  to_files->add_option("--slice", options.slice, "Picture of what lies at one height, PNG");
-  to_files->add_option("--grid", options.grid, "Occupancy grid for navigation stacks: writes STEM.pgm and STEM.yaml")->type_name("STEM");
-  to_files->add_option("--spacing", options.spacing_m, "Of the cloud's points, m; 0: all of them")->check(CLI::Range(0.005F, 10.0F) | CLI::IsMember({"0"}))->capture_default_str();
-  to_files->add_option("--slice-height", options.slice_m, "In map, m")->capture_default_str();
-  to_files->add_option("--slice-width", options.slice_width_m, "How thick the slice is, m")->check(CLI::PositiveNumber)->capture_default_str();
-  to_files->add_option("--resolution", options.grid_options.resolution_m, "Of the grid, m; finer than 0.15 indoors or 0.3 outdoors, walls have holes: clouds are no denser")->check(CLI::Range(0.01, 10.0))->capture_default_str();
-  to_files->add_option("--base-height", options.base_height_m, "Of base above the ground, m")->capture_default_str();
-  to_files->add_option("--lowest", options.grid_options.lowest_m, "What is lower above the ground is driven over, m")->capture_default_str();
-  to_files->add_option("--highest", options.grid_options.highest_m, "What is higher is driven under, m")->capture_default_str();
-  add("optimise", "Runs the graph again, from all loops ever verified")->add_option("--out", options.out, "Folder of the new session")->required();
+  add("info", "Says what a session holds, and what is wrong with it").flag("--json", options.json, "Print JSON");
+  const cli::Command to_files = add("export", "Writes the map as clouds, pictures or a grid");
+  to_files.option("--ply", options.ply, "Cloud, binary PLY");
+  to_files.option("--pcd", options.pcd, "Cloud, binary PCD");
+  to_files.option("--tum", options.tum, "Poses of the keyframes, T_map_base");
+  to_files.option("--top", options.top, "Picture from above, PNG");
+  to_files.option("--slice", options.slice, "Picture of what lies at one height, PNG");
+  to_files.option("--grid", options.grid, "Occupancy grid for navigation stacks: writes STEM.pgm and STEM.yaml").value_name("STEM");
+  to_files.option("--spacing", options.spacing_m, "Of the cloud's points, m; 0: all of them").zero_or_within(0.005, 10.0).shows_default();
+  to_files.option("--slice-height", options.slice_m, "In map, m").shows_default();
+  to_files.option("--slice-width", options.slice_width_m, "How thick the slice is, m").positive().shows_default();
+  to_files.option("--resolution", options.grid_options.resolution_m, "Of the grid, m; finer than 0.15 indoors or 0.3 outdoors, walls have holes: clouds are no denser").within(0.01, 10.0).shows_default();
+  to_files.option("--base-height", options.base_height_m, "Of base above the ground, m").shows_default();
+  to_files.option("--lowest", options.grid_options.lowest_m, "What is lower above the ground is driven over, m").shows_default();
+  to_files.option("--highest", options.grid_options.highest_m, "What is higher is driven under, m").shows_default();
+  add("optimise", "Runs the graph again, from all loops ever verified").option("--out", options.out, "Folder of the new session").required();
   app.footer("Exit: 0 done, 1 it could not be done, 2 bad usage.");
 }
 
@@ -208,14 +206,14 @@ void declare(CLI::App& app, Options& options) {
 
 int main(int argc, char** argv) {
   Options options;
-  CLI::App* app = nullptr;
+  cli::Command app;
   return cli::run_program(argc, argv, "slamd-map", "Looks into the sessions that slamd keeps of its maps, and writes them for other programs.",
-                          [&](CLI::App& made) {
-                            app = &made;
+                          [&](const cli::Command& made) {
+                            app = made;
                             declare(made, options);
                           },
                           [&] {
-                            const std::string verb = app->get_subcommands().front()->get_name();
+                            const std::string verb = app.given_command();
                             return verb == "info" ? info(options) : verb == "export" ? export_session(options) : optimise(options);
                           });
 }

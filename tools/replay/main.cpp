@@ -4,8 +4,6 @@
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
-
 #include "daemon/configuration/key_table.hpp"
 #include "tools/cli/cli.hpp"
 #include "tools/cli/interrupts.hpp"
@@ -32,29 +30,28 @@ struct Options {
   bool print_configuration = false;
 };
 
-void declare(CLI::App& app, Options& options) {
-  app.add_option("RECORDING", options.recording, "Directory with recording.toml, or a capture with --config")->required();
-  app.add_option("--out", options.out, "Directory for odometry.tum, trajectory.tum, map.ply, report.json, report.html");
-  app.add_option("--config", options.configs, "TOML file; wins over recording.toml key by key");
-  app.add_option("--set", options.overrides, "key=value; wins over all files")->take_all();
-  app.add_option("--compare", options.compare, "Run a second filter on the same recording, side by side")->check(CLI::IsMember({"psf", "iekf"}));
-  CLI::Option* to_network =
-      app.add_option("--to-network", options.to_network, "HOST[:DATA_PORT[:POSITION_PORT]]: send the packets there with their timing instead of mapping them")
-          ->excludes("--out", "--compare");
-  app.add_option("--speed", options.speed, "With --to-network: times real time; 0: as fast as it goes")->needs(to_network);
-  app.add_option("--imu-to", options.imu_to, "With --to-network: where the rows of imu.csv go: udp:HOST:PORT, pty:LINKPATH, or as an emulated sensor sends them, xsens:LINKPATH, mip:LINKPATH")->needs(to_network);
-  app.add_option("--gnss-to", options.gnss_to, "With --to-network: where the fixes of gnss.csv go, as an emulated receiver sends them: nmea:LINKPATH, ubx:LINKPATH, or both:LINKPATH")->needs(to_network);
-  app.add_option("--can-to", options.can_to, "With --to-network: the CAN interface to which the frames of the recording's candump logs go, such as vcan0")->needs(to_network);
-  app.add_flag("--json", options.json, "Print the report as JSON instead of the summary");
-  app.add_flag("--print-config", options.print_configuration, "Print the complete configuration and exit");
-  app.add_flag_callback(
-         "--print-keys",
-         [] {
-           std::fputs(configuration::print_reference().c_str(), stdout);
-           std::exit(0);
-         },
-         "Print a table of all keys and exit")
-      ->trigger_on_parse();
+void declare(const cli::Command& app, Options& options) {
+  app.option("RECORDING", options.recording, "Directory with recording.toml, or a capture with --config").required();
+  app.option("--out", options.out, "Directory for odometry.tum, trajectory.tum, map.ply, report.json, report.html");
+  app.option("--config", options.configs, "TOML file; wins over recording.toml key by key");
+  app.option("--set", options.overrides, "key=value; wins over all files").take_all();
+  app.option("--compare", options.compare, "Run a second filter on the same recording, side by side").one_of({"psf", "iekf"});
+  cli::Option to_network =
+      app.option("--to-network", options.to_network, "HOST[:DATA_PORT[:POSITION_PORT]]: send the packets there with their timing instead of mapping them")
+          .excludes({"--out", "--compare"});
+  app.option("--speed", options.speed, "With --to-network: times real time; 0: as fast as it goes").needs(to_network);
+  app.option("--imu-to", options.imu_to, "With --to-network: where the rows of imu.csv go: udp:HOST:PORT, pty:LINKPATH, or as an emulated sensor sends them, xsens:LINKPATH, mip:LINKPATH").needs(to_network);
+  app.option("--gnss-to", options.gnss_to, "With --to-network: where the fixes of gnss.csv go, as an emulated receiver sends them: nmea:LINKPATH, ubx:LINKPATH, or both:LINKPATH").needs(to_network);
+  app.option("--can-to", options.can_to, "With --to-network: the CAN interface to which the frames of the recording's candump logs go, such as vcan0").needs(to_network);
+  app.flag("--json", options.json, "Print the report as JSON instead of the summary");
+  app.flag("--print-config", options.print_configuration, "Print the complete configuration and exit");
+  app.action(
+      "--print-keys",
+      [] {
+        std::fputs(configuration::print_reference().c_str(), stdout);
+        std::exit(0);
+      },
+      "Print a table of all keys and exit");
   app.footer("Exit code: 0 the recording was processed to its end; 1 it could not be, or was interrupted; 2 bad configuration or usage.\n"
              "All keys: docs/configuration.md.");
 }
@@ -135,5 +132,5 @@ int main(int argc, char** argv) {
   Options options;
   return cli::run_program(argc, argv, "slamd-replay",
                           "Runs a recording through slamd on a virtual clock: the same recording gives the same bytes.",
-                          [&](CLI::App& app) { declare(app, options); }, [&] { return run(options); });
+                          [&](const cli::Command& app) { declare(app, options); }, [&] { return run(options); });
 }

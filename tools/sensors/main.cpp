@@ -8,8 +8,6 @@
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
-
 #include "daemon/configuration/loader.hpp"
 #include "drivers/transport/udp_receiver.hpp"
 #include "tools/cli/cli.hpp"
@@ -37,19 +35,19 @@ struct Options {
   sensors::ListeningConfig listening;
 };
 
-void declare(CLI::App& app, Options& options) {
-  app.add_option("--seconds", options.seconds, "How long to listen, s; 0: until interrupted. All rates of a serial line take 12")
-      ->check(CLI::Range(0.0, 86400.0))->capture_default_str();
-  app.add_flag("--json", options.json, "Print JSON, one line each second");
-  app.add_option("--config", options.config, "A configuration: listen where it has sensors, and tell whether gravity is where it has it")->type_name("FILE");
-  auto* const write = app.add_option("--write", options.write, "At the end, write a configuration to begin with")->type_name("FILE");
-  app.add_flag("--force", options.force, "Let --write replace a file")->needs(write);
-  app.add_option("--serial", options.listening.serial, "A serial line to listen to, beside the adapters that are plugged in")->type_name("DEVICE");
-  app.add_flag("--no-serial", options.no_serial, "Leave the adapters that are plugged in alone");
-  app.add_option("--can", options.listening.can, "A CAN interface to listen to, beside those that are there")->type_name("INTERFACE");
-  app.add_option("--port", options.listening.ports, "A UDP port to listen at, beside the sensors' own")->type_name("PORT")->check(CLI::Range(1, 65535));
-  app.add_flag("--ask", options.listening.asks, "Ask, too: a Mid-360 where it sends to, and what is mute on serial lines who it is");
-  app.add_option("--ask-avia", options.avias, "Ask the Avia at this address whether it has a host: one that has none is let go at once")->type_name("ADDRESS");
+void declare(const cli::Command& app, Options& options) {
+  app.option("--seconds", options.seconds, "How long to listen, s; 0: until interrupted. All rates of a serial line take 12")
+      .within(0.0, 86400.0).shows_default();
+  app.flag("--json", options.json, "Print JSON, one line each second");
+  app.option("--config", options.config, "A configuration: listen where it has sensors, and tell whether gravity is where it has it").value_name("FILE");
+  const cli::Option write = app.option("--write", options.write, "At the end, write a configuration to begin with").value_name("FILE");
+  app.flag("--force", options.force, "Let --write replace a file").needs(write);
+  app.option("--serial", options.listening.serial, "A serial line to listen to, beside the adapters that are plugged in").value_name("DEVICE");
+  app.flag("--no-serial", options.no_serial, "Leave the adapters that are plugged in alone");
+  app.option("--can", options.listening.can, "A CAN interface to listen to, beside those that are there").value_name("INTERFACE");
+  app.option("--port", options.listening.ports, "A UDP port to listen at, beside the sensors' own").value_name("PORT").within(1, 65535);
+  app.flag("--ask", options.listening.asks, "Ask, too: a Mid-360 where it sends to, and what is mute on serial lines who it is");
+  app.option("--ask-avia", options.avias, "Ask the Avia at this address whether it has a host: one that has none is let go at once").value_name("ADDRESS");
   app.footer("It listens: no device is held or set, and no line taken from slamd. Only who has a Livox SDK2 device is asked.\n"
              "Exit: 0 something was found; 1 nothing was, or --write could not be done; 2 bad usage or configuration.");
 }
@@ -138,5 +136,5 @@ int run(const Options& options) {
 int main(int argc, char** argv) {
   Options options;
   return cli::run_program(argc, argv, "slamd-sensors", "Finds what sensors are connected, and says what is wrong with them.",
-                          [&](CLI::App& app) { declare(app, options); }, [&] { return run(options); });
+                          [&](const cli::Command& app) { declare(app, options); }, [&] { return run(options); });
 }

@@ -2,8 +2,6 @@
 
 #include <cmath>
 
-#include <CLI/CLI.hpp>
-
 #include "tools/cli/cli.hpp"
 
 namespace slamd::simulate {
@@ -103,12 +101,12 @@ Bursts bursts(const std::string& text) {
 
 }  // namespace
 
-void declare(CLI::App& app, FaultOptions& options, const std::string& group) {
+void declare(const cli::Command& app, FaultOptions& options, const std::string& group) {
   const auto add = [&](const char* name, auto& value, const char* help) {
-    app.add_option(name, value, help)->group(group)->take_all();
+    app.option(name, value, help).group(group).take_all();
   };
   const auto add_one = [&](const char* name, std::string& value, const char* help) {
-    app.add_option(name, value, help)->group(group);
+    app.option(name, value, help).group(group);
   };
   add_one("--drop", options.drop, "Share of all packets that are lost, as 1%");
   add_one("--burst", options.burst, "COUNTxPACKETS, as 3x50: bursts of packets lost in a row");
@@ -125,11 +123,11 @@ void declare(CLI::App& app, FaultOptions& options, const std::string& group) {
           "FROM:TO in degrees to the left of ahead, as 160:200: nothing is seen there");
 }
 
-void declare(CLI::App& app, FaultCommand& command) {
-  app.add_option("IN", command.in, "Recording (directory, or capture)")->required();
-  app.add_option("OUT", command.out, "Directory of the damaged copy")->required();
-  app.add_flag("--force", command.force, "Write into a directory that is not empty");
-  app.add_option("--seed", command.seed, "Of everything that is left to chance")->capture_default_str();
+void declare(const cli::Command& app, FaultCommand& command) {
+  app.option("IN", command.in, "Recording (directory, or capture)").required();
+  app.option("OUT", command.out, "Directory of the damaged copy").required();
+  app.flag("--force", command.force, "Write into a directory that is not empty");
+  app.option("--seed", command.seed, "Of everything that is left to chance").shows_default();
   declare(app, command.faults, "Faults");
   app.footer(
       "Moments count from the recording's first packet. OUT/faults.json says what was done, and what report.json must "

@@ -3,11 +3,8 @@
 #include <string>
 #include <vector>
 
+#include "tools/cli/command.hpp"
 #include "tools/simulate/faults.hpp"
-
-namespace CLI {
-class App;
-}
 
 namespace slamd::simulate {
 
@@ -28,9 +25,9 @@ struct FaultCommand {
 };
 
 /// Declares the faults, in a group of the help.
-void declare(CLI::App& app, FaultOptions& options, const std::string& group);
+void declare(const cli::Command& app, FaultOptions& options, const std::string& group);
 
-void declare(CLI::App& app, FaultCommand& command);
+void declare(const cli::Command& app, FaultCommand& command);
 
 /// Returns the faults that the options describe. Errors: cli::UsageError names the option and what it takes.
 Faults faults_of(const FaultOptions& options, std::uint64_t seed);

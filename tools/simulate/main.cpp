@@ -5,8 +5,6 @@
 #include <optional>
 #include <string>
 
-#include <CLI/CLI.hpp>
-
 #include "tools/cli/cli.hpp"
 #include "tools/cli/interrupts.hpp"
 #include "tools/replay/session.hpp"
@@ -137,13 +135,13 @@ int run_faults(const simulate::FaultCommand& options) {
 int main(int argc, char** argv) {
   simulate::Options options;
   simulate::FaultCommand fault_command;
-  CLI::App* faults = nullptr;
+  cli::Command faults;
   return cli::run_program(
       argc, argv, "slamd-simulate", "Simulates a drive with exact truth as a recording of raw packets.",
-      [&](CLI::App& app) {
+      [&](const cli::Command& app) {
         declare(app, options);
-        faults = app.add_subcommand("faults", "Damages a copy of any recording");
-        declare(*faults, fault_command);
+        faults = app.command("faults", "Damages a copy of any recording");
+        declare(faults, fault_command);
       },
-      [&] { return faults->parsed() ? run_faults(fault_command) : run_simulation(options); });
+      [&] { return faults.is_given() ? run_faults(fault_command) : run_simulation(options); });
 }

@@ -5,8 +5,6 @@
 #include <fstream>
 #include <sstream>
 
-#include <CLI/CLI.hpp>
-
 #include "daemon/bus/channels.hpp"
 #include "drivers/recording/packet.hpp"
 #include "tools/cli/cli.hpp"
@@ -77,132 +75,131 @@ void check_live(const Options& options, const Drive& drive) {
 
 }  // namespace
 
-void declare(CLI::App& app, Options& options) {
+void declare(const cli::Command& app, Options& options) {
   Drive& drive = options.drive;
-  app.add_option("--out", options.out, "Directory of the recording to be made")->group(kOutput);
-  app.add_flag("--force", options.force, "Write into a directory that is not empty")->group(kOutput);
-  app.add_flag("--map", drive.map, "Also write true_map.ply")->group(kOutput);
-  app.add_flag("--localisability", drive.localisability,
+  app.option("--out", options.out, "Directory of the recording to be made").group(kOutput);
+  app.flag("--force", options.force, "Write into a directory that is not empty").group(kOutput);
+  app.flag("--map", drive.map, "Also write true_map.ply").group(kOutput);
+  app.flag("--localisability", drive.localisability,
                "Also write localisability.csv: how well the true surfaces hold the position")
-      ->group(kOutput);
-  app.add_option("--preview", options.preview, "Also write a PNG of world, path and one scan")->group(kOutput);
-  app.add_flag("--replay", options.replay,
+      .group(kOutput);
+  app.option("--preview", options.preview, "Also write a PNG of world, path and one scan").group(kOutput);
+  app.flag("--replay", options.replay,
                "Map the drive as slamd-replay would, without writing the recording; products go to --out")
-      ->group(kOutput);
-  app.add_option("--threads", drive.threads, "Of the ray casting; any number gives the same bytes")
-      ->check(CLI::Range(1, 64))
-      ->capture_default_str()
-      ->group(kOutput);
+      .group(kOutput);
+  app.option("--threads", drive.threads, "Of the ray casting; any number gives the same bytes")
+      .within(1, 64)
+      .shows_default()
+      .group(kOutput);
 
-  app.add_option("--world", drive.world, "Where to drive")
-      ->check(CLI::IsMember(world_names()))
-      ->capture_default_str()
-      ->group(kPlace);
-  app.add_option("--mesh", options.mesh, "A PLY mesh to drive in, in place of a world")->group(kPlace);
-  app.add_option("--waypoints", options.waypoints, "CSV of x,y (m): the corners of the tour")->group(kPlace);
-  app.add_option("--seed", drive.seed, "Of world, tour and noise")->capture_default_str()->group(kPlace);
-  app.add_option("--duration", drive.duration_s, "Length of the drive, s")
-      ->check(CLI::Range(5.0, 3600.0))
-      ->capture_default_str()
-      ->group(kPlace);
-  app.add_option("--speed", drive.speed_mps, "Pace, m/s")
-      ->check(CLI::Range(0.1, 10.0))
-      ->capture_default_str()
-      ->group(kPlace);
-  app.add_option("--rest", drive.rest_s, "Standing still at the start, s")
-      ->check(CLI::Range(0.0, 60.0))
-      ->capture_default_str()
-      ->group(kPlace);
-  app.add_option("--vehicle", options.vehicle, "What drives")
-      ->check(CLI::IsMember({"ackermann", "skid_steer", "handheld"}))
-      ->capture_default_str()
-      ->group(kPlace);
-  app.add_option("--turn-rate", options.turn_rate_degps, "Of turns on the spot, °/s")
-      ->check(CLI::Range(5.0, 120.0))
-      ->capture_default_str()
-      ->group(kPlace);
-  app.add_option("--bumps", drive.bumps_per_100m, "Cable ramps of 5 cm in 100 m")
-      ->check(CLI::Range(0.0, 50.0))
-      ->capture_default_str()
-      ->group(kPlace);
-  app.add_option("--vibration", drive.vibration_mps2, "Of the body while it moves, m/s² rms")
-      ->check(CLI::Range(0.0, 5.0))
-      ->capture_default_str()
-      ->group(kPlace);
-  app.add_option("--cars", drive.extras.cars, "That drive about (town, campus, harbour)")
-      ->check(CLI::Range(0, 100))
-      ->capture_default_str()
-      ->group(kPlace);
-  app.add_option("--people", drive.extras.people, "That walk about")
-      ->check(CLI::Range(0, 200))
-      ->capture_default_str()
-      ->group(kPlace);
+  app.option("--world", drive.world, "Where to drive")
+      .one_of(world_names())
+      .shows_default()
+      .group(kPlace);
+  app.option("--mesh", options.mesh, "A PLY mesh to drive in, in place of a world").group(kPlace);
+  app.option("--waypoints", options.waypoints, "CSV of x,y (m): the corners of the tour").group(kPlace);
+  app.option("--seed", drive.seed, "Of world, tour and noise").shows_default().group(kPlace);
+  app.option("--duration", drive.duration_s, "Length of the drive, s")
+      .within(5.0, 3600.0)
+      .shows_default()
+      .group(kPlace);
+  app.option("--speed", drive.speed_mps, "Pace, m/s")
+      .within(0.1, 10.0)
+      .shows_default()
+      .group(kPlace);
+  app.option("--rest", drive.rest_s, "Standing still at the start, s")
+      .within(0.0, 60.0)
+      .shows_default()
+      .group(kPlace);
+  app.option("--vehicle", options.vehicle, "What drives")
+      .one_of({"ackermann", "skid_steer", "handheld"})
+      .shows_default()
+      .group(kPlace);
+  app.option("--turn-rate", options.turn_rate_degps, "Of turns on the spot, °/s")
+      .within(5.0, 120.0)
+      .shows_default()
+      .group(kPlace);
+  app.option("--bumps", drive.bumps_per_100m, "Cable ramps of 5 cm in 100 m")
+      .within(0.0, 50.0)
+      .shows_default()
+      .group(kPlace);
+  app.option("--vibration", drive.vibration_mps2, "Of the body while it moves, m/s² rms")
+      .within(0.0, 5.0)
+      .shows_default()
+      .group(kPlace);
+  app.option("--cars", drive.extras.cars, "That drive about (town, campus, harbour)")
+      .within(0, 100)
+      .shows_default()
+      .group(kPlace);
+  app.option("--people", drive.extras.people, "That walk about")
+      .within(0, 200)
+      .shows_default()
+      .group(kPlace);
 
-  app.add_option("--lidar", options.lidar, "Sensor")
-      ->check(CLI::IsMember({"vlp16", "vlp32c", "hdl32e", "livox_avia", "livox_mid360"}))
-      ->capture_default_str()
-      ->group(kSensors);
-  app.add_option("--returns", options.returns, "strongest, dual; Avia: first, strongest, dual, triple")
-      ->check(CLI::IsMember({"first", "strongest", "dual", "triple"}))
-      ->group(kSensors);
-  app.add_option("--scan-pattern", options.pattern, "Avia: non_repetitive, or a repeated band of 70° × 4.5°")
-      ->check(CLI::IsMember({"non_repetitive", "repetitive"}))
-      ->group(kSensors);
-  app.add_option("--coordinates", options.coordinates, "Avia: of the points in its packets")
-      ->check(CLI::IsMember({"cartesian", "spherical"}))
-      ->group(kSensors);
-  app.add_option("--range-noise", options.range_noise_m, "In place of the model's, 1σ, m")
-      ->check(CLI::Range(0.0, 1.0))
-      ->group(kSensors);
-  app.add_option("--beam-bias", options.beam_bias_m, "Of each beam, in place of the model's, 1σ, m")
-      ->check(CLI::Range(0.0, 1.0))
-      ->group(kSensors);
-  app.add_flag("--mixed-pixels", drive.mixed_pixels, "Beams have a width: edges give points in between, or two echoes")
-      ->group(kSensors);
-  app.add_option("--rain", drive.drops_per_m, "Rain or dust: chance of an echo from the air in each metre")
-      ->check(CLI::Range(0.0, 0.2))
-      ->capture_default_str()
-      ->group(kSensors);
-  app.add_option("--imu-rate", drive.imu_rate_hz, "Of the external inertial sensor, Hz")
-      ->check(CLI::Range(50.0, 1000.0))
-      ->capture_default_str()
-      ->group(kSensors);
-  app.add_option("--can", options.can, "Inertial sensor and wheels on a CAN bus: also write can.log, and have recording.toml name it")
-      ->check(CLI::IsMember({"xsens", "aceinna"}))
-      ->group(kSensors);
-  app.add_flag("--perfect-imu", options.perfect_imu, "Inertial sensors without any error")->group(kSensors);
-  app.add_flag("--no-sky", options.covered, "GNSS never has a fix")->group(kSensors);
-  app.add_option("--drive", options.drive_to,
+  app.option("--lidar", options.lidar, "Sensor")
+      .one_of({"vlp16", "vlp32c", "hdl32e", "livox_avia", "livox_mid360"})
+      .shows_default()
+      .group(kSensors);
+  app.option("--returns", options.returns, "strongest, dual; Avia: first, strongest, dual, triple")
+      .one_of({"first", "strongest", "dual", "triple"})
+      .group(kSensors);
+  app.option("--scan-pattern", options.pattern, "Avia: non_repetitive, or a repeated band of 70° × 4.5°")
+      .one_of({"non_repetitive", "repetitive"})
+      .group(kSensors);
+  app.option("--coordinates", options.coordinates, "Avia: of the points in its packets")
+      .one_of({"cartesian", "spherical"})
+      .group(kSensors);
+  app.option("--range-noise", options.range_noise_m, "In place of the model's, 1σ, m")
+      .within(0.0, 1.0)
+      .group(kSensors);
+  app.option("--beam-bias", options.beam_bias_m, "Of each beam, in place of the model's, 1σ, m")
+      .within(0.0, 1.0)
+      .group(kSensors);
+  app.flag("--mixed-pixels", drive.mixed_pixels, "Beams have a width: edges give points in between, or two echoes")
+      .group(kSensors);
+  app.option("--rain", drive.drops_per_m, "Rain or dust: chance of an echo from the air in each metre")
+      .within(0.0, 0.2)
+      .shows_default()
+      .group(kSensors);
+  app.option("--imu-rate", drive.imu_rate_hz, "Of the external inertial sensor, Hz")
+      .within(50.0, 1000.0)
+      .shows_default()
+      .group(kSensors);
+  app.option("--can", options.can, "Inertial sensor and wheels on a CAN bus: also write can.log, and have recording.toml name it")
+      .one_of({"xsens", "aceinna"})
+      .group(kSensors);
+  app.flag("--perfect-imu", options.perfect_imu, "Inertial sensors without any error").group(kSensors);
+  app.flag("--no-sky", options.covered, "GNSS never has a fix").group(kSensors);
+  app.option("--drive", options.drive_to,
                      "HOST[:DATA_PORT[:POSITION_PORT]]: drive a skid-steered vehicle by velocity commands from LCM in real "
                      "time, and send its packets there; --out is then optional")
-          ->excludes("--vehicle", "--waypoints", "--replay", "--preview")
-          ->group(kLive);
-  app.add_flag("--live", options.live,
+          .excludes({"--vehicle", "--waypoints", "--replay", "--preview"})
+          .group(kLive);
+  app.flag("--live", options.live,
                "As --drive, but a Livox is a device on the network: a host finds, sets and starts it, and gets its packets")
-      ->excludes("--drive", "--vehicle", "--waypoints", "--replay", "--preview")
-      ->group(kLive);
-  app.add_option("--device-code", options.device_code, "With --live: its broadcast code or serial number")->group(kLive);
-  app.add_option("--device-extrinsic", options.device_extrinsic,
+      .excludes({"--drive", "--vehicle", "--waypoints", "--replay", "--preview"})
+      .group(kLive);
+  app.option("--device-code", options.device_code, "With --live: its broadcast code or serial number").group(kLive);
+  app.option("--device-extrinsic", options.device_extrinsic,
                  "With --live: X,Y,Z,ROLL,PITCH,YAW that is stored in the device (m, °); it moves no point")
-      ->delimiter(',')
-      ->expected(6)
-      ->check(CLI::Range(-360.0, 360.0))
-      ->group(kLive);
-  app.add_flag("--pps", options.pps, "With --live, an Avia: a PPS line that beats with the wall clock; told the UTC, it follows GPS")
-      ->group(kLive);
-  app.add_option("--imu-to", options.imu_to, "Where inertial samples go: udp:HOST:PORT, pty:LINKPATH, or as an emulated sensor sends them, xsens:LINKPATH, mip:LINKPATH")
-      ->group(kLive);
-  app.add_option("--gnss-to", options.gnss_to, "Where fixes go, as an emulated receiver sends them: nmea:LINKPATH, ubx:LINKPATH, or both:LINKPATH")
-      ->group(kLive);
-  app.add_option("--can-to", options.can_to, "The CAN interface on which inertial sensor and wheels speak as --can says, such as vcan0")
-      ->group(kLive);
-  app.add_option("--url", options.lcm_url, "LCM's, for commands and truth")
-      ->default_str(std::string(bus::kDefaultUrl))
-      ->group(kLive);
-  app.add_option("--prefix", options.lcm_prefix, "Of the channels")
-      ->default_str(std::string(bus::kDefaultPrefix))
-      ->group(kLive);
-  app.add_flag("--json", options.json, "Print the counts as JSON")->group(kLive);
+      .commas(6)
+      .within(-360.0, 360.0)
+      .group(kLive);
+  app.flag("--pps", options.pps, "With --live, an Avia: a PPS line that beats with the wall clock; told the UTC, it follows GPS")
+      .group(kLive);
+  app.option("--imu-to", options.imu_to, "Where inertial samples go: udp:HOST:PORT, pty:LINKPATH, or as an emulated sensor sends them, xsens:LINKPATH, mip:LINKPATH")
+      .group(kLive);
+  app.option("--gnss-to", options.gnss_to, "Where fixes go, as an emulated receiver sends them: nmea:LINKPATH, ubx:LINKPATH, or both:LINKPATH")
+      .group(kLive);
+  app.option("--can-to", options.can_to, "The CAN interface on which inertial sensor and wheels speak as --can says, such as vcan0")
+      .group(kLive);
+  app.option("--url", options.lcm_url, "LCM's, for commands and truth")
+      .shows_default(std::string(bus::kDefaultUrl))
+      .group(kLive);
+  app.option("--prefix", options.lcm_prefix, "Of the channels")
+      .shows_default(std::string(bus::kDefaultPrefix))
+      .group(kLive);
+  app.flag("--json", options.json, "Print the counts as JSON").group(kLive);
   declare(app, options.faults, "Faults of what the sensors send, told in faults.json");
 }
 

@@ -3,14 +3,11 @@
 #include <string>
 #include <vector>
 
+#include "tools/cli/command.hpp"
 #include "tools/simulate/drive.hpp"
 #include "tools/simulate/fault_options.hpp"
 #include "tools/simulate/live_device.hpp"
 #include "tools/simulate/live_drive.hpp"
-
-namespace CLI {
-class App;
-}
 
 namespace slamd::simulate {
 
@@ -49,7 +46,7 @@ struct Options {
 };
 
 /// Declares the options of a simulation.
-void declare(CLI::App& app, Options& options);
+void declare(const cli::Command& app, Options& options);
 
 /// Returns the drive that the options describe. Errors: cli::UsageError, RecordingError.
 Drive drive_of(const Options& options);

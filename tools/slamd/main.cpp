@@ -2,8 +2,6 @@
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
-
 #include "daemon/configuration/key_table.hpp"
 #include "daemon/configuration/loader.hpp"
 #include "daemon/service/service.hpp"
@@ -22,13 +20,13 @@ struct Options {
   bool memory_plan = false;
 };
 
-void declare(CLI::App& app, Options& options) {
-  app.add_option("--config", options.files, "TOML file; later ones win key by key")->type_name("FILE");
-  app.add_option("--set", options.overrides, "key=value; wins over all files")->type_name("KEY=VALUE");
-  app.add_flag("--check", options.check, "Tell whether slamd could start here, and what it would lack; exit 0, 1 or 2");
-  app.add_flag("--validate", options.validate, "Only read the configuration: exit 0, or 2 and what is wrong with it");
-  app.add_flag("--print-config", options.print_config, "Print the complete configuration and exit");
-  app.add_flag("--memory-plan", options.memory_plan, "Print what is reserved at start and exit");
+void declare(const cli::Command& app, Options& options) {
+  app.option("--config", options.files, "TOML file; later ones win key by key").value_name("FILE");
+  app.option("--set", options.overrides, "key=value; wins over all files").value_name("KEY=VALUE");
+  app.flag("--check", options.check, "Tell whether slamd could start here, and what it would lack; exit 0, 1 or 2");
+  app.flag("--validate", options.validate, "Only read the configuration: exit 0, or 2 and what is wrong with it");
+  app.flag("--print-config", options.print_config, "Print the complete configuration and exit");
+  app.flag("--memory-plan", options.memory_plan, "Print what is reserved at start and exit");
   app.footer("Exit code: 0 ended by a signal; 1 could not start; 2 bad configuration or usage.\n"
              "SIGTERM and SIGINT end it; SIGHUP has it read its configuration again.\n"
              "All keys: slamd.toml(5), docs/configuration.md. Messages: docs/protocol.md.");
@@ -69,5 +67,5 @@ int run(const Options& options) {
 int main(int argc, char** argv) {
   Options options;
   return cli::run_program(argc, argv, "slamd", "LiDAR-inertial SLAM service: sensors in, poses, scans and health out over LCM.",
-                          [&](CLI::App& app) { declare(app, options); }, [&] { return run(options); });
+                          [&](const cli::Command& app) { declare(app, options); }, [&] { return run(options); });
 }

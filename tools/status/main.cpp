@@ -9,8 +9,6 @@
 #include <stdexcept>
 #include <string>
 
-#include <CLI/CLI.hpp>
-
 #include "daemon/bus/channels.hpp"
 #include "drivers/recording/tum.hpp"
 #include "tools/cli/cli.hpp"
@@ -61,15 +59,15 @@ File record_truth(const std::string& name, status::Listener& listener) {
 
 volatile std::sig_atomic_t stop = 0;
 
-void declare(CLI::App& app, Options& options) {
-  app.add_option("--url", options.url, "LCM's URL, as lcm.url of the daemon")->capture_default_str();
-  app.add_option("--prefix", options.prefix, "Of the channels, as lcm.prefix of the daemon")->capture_default_str();
-  app.add_flag("--once", options.once, "Print one picture when health is heard, and exit");
-  app.add_option("--tum", options.tum, "Also write every pose that is heard to this TUM file, until interrupted")->type_name("FILE");
-  app.add_option("--truth", options.truth, "Also write where a simulated vehicle is (slamd-simulate --drive, --live) to this TUM file")
-      ->type_name("FILE");
-  app.add_flag("--json", options.json, "Print JSON, one line each time");
-  app.add_option("--timeout", options.timeout_s, "How long --once waits for health, s")->check(CLI::Range(0.1, 3600.0))->capture_default_str();
+void declare(const cli::Command& app, Options& options) {
+  app.option("--url", options.url, "LCM's URL, as lcm.url of the daemon").shows_default();
+  app.option("--prefix", options.prefix, "Of the channels, as lcm.prefix of the daemon").shows_default();
+  app.flag("--once", options.once, "Print one picture when health is heard, and exit");
+  app.option("--tum", options.tum, "Also write every pose that is heard to this TUM file, until interrupted").value_name("FILE");
+  app.option("--truth", options.truth, "Also write where a simulated vehicle is (slamd-simulate --drive, --live) to this TUM file")
+      .value_name("FILE");
+  app.flag("--json", options.json, "Print JSON, one line each time");
+  app.option("--timeout", options.timeout_s, "How long --once waits for health, s").within(0.1, 3600.0).shows_default();
   app.footer("Exit: 0 TRACKING; 3 heard, but another state; 1 no health heard, or no way to LCM; 2 bad usage.\n"
              "Without --once it runs until interrupted, and the last health heard counts.");
 }
@@ -128,5 +126,5 @@ int run(const Options& options) {
 int main(int argc, char** argv) {
   Options options;
   return cli::run_program(argc, argv, "slamd-status", "Shows how a running slamd is.",
-                          [&](CLI::App& app) { declare(app, options); }, [&] { return run(options); });
+                          [&](const cli::Command& app) { declare(app, options); }, [&] { return run(options); });
 }

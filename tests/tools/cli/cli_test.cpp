@@ -8,8 +8,6 @@
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
-
 #include "daemon/configuration/configuration.hpp"
 
 namespace slamd::cli {
@@ -36,7 +34,7 @@ Outcome run(std::vector<std::string> arguments, const std::function<int()>& body
       argv.data(),
       "slamd-sut",
       "Is under test.",
-      [&](CLI::App& app) { app.add_option("--number", number, "A number"); },
+      [&](const Command& app) { app.option("--number", number, "A number"); },
       body);
   outcome.out = testing::internal::GetCapturedStdout();
   outcome.err = testing::internal::GetCapturedStderr();
