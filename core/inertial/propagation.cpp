@@ -23,7 +23,7 @@ void add_noise(Covariance& P, int block, double variance) {
 double turn_variance_density(const Eigen::Vector3d& rate_radps, const ImuNoise& noise) {
   const double scale = noise.gyro_scale_error;
   return noise.gyro_noise_radps_sqrthz * noise.gyro_noise_radps_sqrthz +
-         scale * scale * rate_radps.squaredNorm() * kTurnErrorTime_s;
+         scale * scale * rate_radps.squaredNorm() * noise.turn_error_time_s;
 }
 
 /// Calls visit(mean sample, dt_s) for each piece of [from, to] that lies between two neighbouring samples.

@@ -14,11 +14,18 @@ struct ImuNoise {
   double gyro_bias_walk_radps2_sqrthz = 1.0e-5;
   double accel_bias_walk_mps3_sqrthz = 3.0e-4;
   /// Scale error and misalignment against the LiDAR, as a share of the turn rate: what a turn leaves behind, whatever
-  /// the white noise. Taken as noise that keeps its sign for kTurnErrorTime_s.
+  /// the white noise. They keep their sign: t after a scan has corrected it the orientation is wrong by the share times the
+  /// turn, (e ω t)². From t0 to t1 that is white noise of density e² ω² (t0 + t1), whose sum of times stands here.
   double gyro_scale_error = 5.0e-3;
-};
+  double turn_error_time_s = 0.1;
 
-inline constexpr double kTurnErrorTime_s = 2.0;
+  /// The same noise for a step from t0 to t1 after the last correction.
+  ImuNoise between(Duration t0, Duration t1) const {
+    ImuNoise noise = *this;
+    noise.turn_error_time_s = to_seconds(t0 + t1);
+    return noise;
+  }
+};
 
 /// Noise of the constant-velocity model that stands in where there is no inertial sensor.
 struct ConstantVelocityNoise {

@@ -54,6 +54,7 @@ void Odometry::start(const inertial::Alignment& alignment) {
   begin();
   state_ = alignment.state;
   P_ = alignment.P;
+  last_corrected_ = state_.stamp;
   lidar_imu_check_.begin(state_);
 }
 
@@ -81,7 +82,7 @@ void Odometry::begin() {
 void Odometry::start_without_imu(Stamp stamp) {
   begin();
   state_ = NavState{};
-  state_.stamp = stamp;
+  state_.stamp = last_corrected_ = stamp;
   P_.setIdentity();
   P_ *= 1e-8;
   P_.diagonal().segment<3>(kVelocity).setConstant(25.0);   // up to a vehicle's pace at once
@@ -101,7 +102,7 @@ OdometryResult Odometry::process(const DeskewedScan& scan,
   const NavState before = state_;
   const Cause prediction_cause = predict(scan.end, samples, wheels);             // 1
   if (map_.empty()) {
-    last_scan_end_ = scan.end;
+    last_scan_end_ = last_corrected_ = scan.end;
     extend_map(scan);
     UpdateResult nothing;
     nothing.state = state_;
@@ -131,6 +132,7 @@ OdometryResult Odometry::process(const DeskewedScan& scan,
   const double moved_m = (posterior.state.T_odom_imu.translation() - state_.T_odom_imu.translation()).norm();
   path_m_ += moved_m;
   if (posterior.enough) {
+    last_corrected_ = scan.end;
     weak_memory_.note(posterior.localisability, std::min(posterior.matched_ratio, posterior.inlier_ratio),
                       posterior.state.T_odom_imu * config_.T_base_imu.inverse());
     check_lidar_imu(before, !samples.empty(), posterior);
@@ -244,7 +246,8 @@ void Odometry::propagate(Stamp to, std::span<const sensor::ImuSample> samples) {
     rate_imu_radps_ = -state_.gyro_bias;
     return;
   }
-  inertial::propagate(state_, P_, samples, to, config_.imu_noise, &wheels_.followers());
+  const inertial::ImuNoise noise = config_.imu_noise.between(state_.stamp - last_corrected_, to - last_corrected_);
+  inertial::propagate(state_, P_, samples, to, noise, &wheels_.followers());
   const auto after = std::find_if(samples.begin(), samples.end() - 1, [&](const auto& s) { return s.stamp >= to; });
   rate_imu_radps_ = after->angular_rate_radps - state_.gyro_bias;
 }

@@ -146,6 +146,7 @@ class Odometry {
   int restart_said_ = 0;            // scans for which the map's restart is still said
   std::uint32_t map_restarts_ = 0;
   Stamp last_scan_end_{};
+  Stamp last_corrected_{};          // by a scan
   MotionStep motion_;
   SurroundingsDrift drift_;
   double seen_scale_std_ = 0.0;  // of the wheels, when last all directions were seen; 0: not yet

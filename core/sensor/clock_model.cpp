@@ -71,7 +71,7 @@ Stamp ClockModel::map(DeviceStamp device, Stamp arrival) {
     newest_raw_ns_ = raw_ns;
   }
   if (config_.kind == ClockKind::kShared) {
-    mapped_ns = device_ns;
+    mapped_ns = difference(device_ns, health_.taken_off.count());
   }
   count_residual(difference(nanoseconds(arrival), mapped_ns));
   return Stamp{Duration{mapped_ns}};
@@ -112,6 +112,7 @@ void ClockModel::anchor(std::int64_t device_ns,
   envelope_.restart({0.0, envelope_y_ns});
   applied_y_ns_ = applied_y_ns;
   acquiring_ = true;
+  borne_out_ = 0;
   candidate_ = {};
 }
 
@@ -210,7 +211,9 @@ void ClockModel::follow_step(const Sample& sample, std::int64_t device_ns, Stamp
   count_step(envelope_at(arrival) - candidate_.least_y_ns);
   // Forward, the candidate is what packets are mapped by already.
   const double applied_y_ns = candidate_.forward ? candidate_.first_y_ns : candidate_.least_y_ns;
+  note_shared_delay(arrival);
   anchor(device_ns, arrival, candidate_.least_y_ns - sample.y_ns, applied_y_ns - sample.y_ns);
+  take_off_step();
 }
 
 // After an outage the first arrival counts again: the extrapolated envelope may be off by the drift
@@ -220,7 +223,27 @@ void ClockModel::begin_anew(const Sample& sample, std::int64_t device_ns, Stamp 
   if (std::abs(step_ns) > kFarAbove_ns) {
     count_step(step_ns);
   }
+  note_shared_delay(arrival);
   anchor(device_ns, arrival, 0.0, 0.0);
+  take_off_step();
+}
+
+// Samples that nothing bore out, as a first one that is wild, say nothing of where the shared clock was.
+void ClockModel::note_shared_delay(Stamp arrival) {
+  if (borne_out_ >= kBackwardConfirmations) {
+    shared_delay_ns_ = sum(anchor_offset_ns_, std::llround(envelope_at(arrival)));
+    shared_taken_off_ns_ = health_.taken_off.count();
+  }
+}
+
+void ClockModel::take_off_step() {
+  if (config_.kind != ClockKind::kShared || !shared_delay_ns_) {
+    return;
+  }
+  const auto is_step = [](std::int64_t ns) { return ns > Duration{kSharedStep}.count() || ns < -Duration{kSharedStep}.count(); };
+  const std::int64_t step_ns = difference(*shared_delay_ns_, sum(anchor_offset_ns_, std::llround(envelope_.at(0.0))));
+  const std::int64_t taken_off_ns = is_step(step_ns) ? sum(shared_taken_off_ns_, step_ns) : shared_taken_off_ns_;
+  health_.taken_off = Duration{is_step(taken_off_ns) ? taken_off_ns : 0};
 }
 
 // The envelope at the device time that would belong to an arrival, had the device's clock not
@@ -239,6 +262,7 @@ void ClockModel::advance(const Sample& sample, std::int64_t device_ns, Stamp arr
   newest_x_ns_ = sample.x_ns;
   newest_device_ns_ = device_ns;
   newest_arrival_ = arrival;
+  borne_out_ += borne_out_ < kBackwardConfirmations ? 1 : 0;
   applied_y_ns_ += health_.skew * dt_ns;
 
   envelope_.add(sample);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
 #include "core/base/stamp.hpp"
 #include "core/sensor/lower_envelope.hpp"
@@ -27,6 +28,7 @@ struct ClockHealth {
   std::uint64_t out_of_order = 0;  // not newer than the newest: duplicates, reordered packets
   std::uint64_t strays = 0;        // impossible stamps that no second one confirmed as a step
   Duration last_step{};            // by how much the device's clock jumped (forward > 0)
+  Duration taken_off{};            // kShared: by how much the device's clock is ahead of the shared one since it jumped
   double skew = 0.0;               // rate of the host's clock over the device's, minus 1
 
   // Of arrival - mapped since clear_residual(): jitter and latency above the best.
@@ -56,7 +58,10 @@ struct ClockHealth {
 /// s at 0.5 s above the envelope, or the whole window at kStep above. Smaller steps are slewed.
 ///
 /// kShared: passes the stamp through as Unix nanoseconds; with a roll-over it picks the period so
-/// that the result is within half a period of the arrival. Steps and skew are only reported.
+/// that the result is within half a period of the arrival. Skew and small steps are only reported. A
+/// step of more than kSharedStep says that the source is no longer shared: it is taken off, so that
+/// time goes on as the arrivals do, until a step back makes the clock the shared one again. Until a
+/// step is confirmed its stamps pass through, and are refused downstream as wild (StampGate).
 ///
 /// Real-time: fixed memory, no allocation; O(1), and O(128) once in 100 ms; one thread.
 class ClockModel {
@@ -66,6 +71,7 @@ class ClockModel {
   static constexpr double kAcquisitionSlew = 0.02;
   static constexpr Duration kStep = std::chrono::milliseconds{10};
   static constexpr std::uint32_t kBackwardConfirmations = 5;
+  static constexpr Duration kSharedStep = std::chrono::milliseconds{500};
 
   explicit ClockModel(const ClockConfig& config);
 
@@ -112,6 +118,8 @@ class ClockModel {
   void begin_anew(const Sample& sample, std::int64_t device_ns, Stamp arrival);
   double envelope_at(Stamp arrival) const;
   void count_step(double step_ns);
+  void note_shared_delay(Stamp arrival);
+  void take_off_step();
   void advance(const Sample& sample, std::int64_t device_ns, Stamp arrival);
   std::int64_t applied_offset_ns(double x_ns) const;
   void count_residual(std::int64_t residual_ns);
@@ -136,6 +144,11 @@ class ClockModel {
   // The mapping in use, at newest_x_ns_; it approaches the envelope.
   double applied_y_ns_ = 0.0;
   bool acquiring_ = true;
+
+  // kShared: how far arrivals lay behind the device's clock when samples last bore it out, and what was taken off then.
+  std::uint32_t borne_out_ = 0;  // samples since the anchor
+  std::optional<std::int64_t> shared_delay_ns_;
+  std::int64_t shared_taken_off_ns_ = 0;
 
   Candidate candidate_;
 };

@@ -16,6 +16,8 @@ std::string_view to_string(ImuRefusal reason) {
       return "not_finite";
     case ImuRefusal::kImplausible:
       return "implausible";
+    case ImuRefusal::kFarAhead:
+      return "far_ahead";
   }
   return "unknown";
 }
@@ -25,7 +27,11 @@ ImuBuffer::ImuBuffer(const ImuBufferConfig& config) : config_(config), ring_(2 *
 }
 
 bool ImuBuffer::push(const ImuSample& sample) {
-  if (const auto reason = refusal(sample)) {
+  auto reason = refusal(sample);
+  if (!reason) {
+    reason = disorder(sample.stamp);
+  }
+  if (reason) {
     ++counts_.refused[static_cast<std::size_t>(*reason)];
     return false;
   }
@@ -51,11 +57,21 @@ std::optional<ImuRefusal> ImuBuffer::refusal(const ImuSample& sample) const {
       sample.specific_force_mps2.cwiseAbs().maxCoeff() > config_.max_specific_force_mps2) {
     return ImuRefusal::kImplausible;
   }
-  if (!empty() && sample.stamp == newest().stamp) {
-    return ImuRefusal::kDuplicate;
-  }
-  if (!empty() && sample.stamp < newest().stamp) {
-    return ImuRefusal::kOutOfOrder;
+  return std::nullopt;
+}
+
+std::optional<ImuRefusal> ImuBuffer::disorder(Stamp stamp) {
+  switch (gate_.judge(stamp)) {
+    case StampVerdict::kInOrder:
+      return std::nullopt;
+    case StampVerdict::kAhead:
+      return ImuRefusal::kFarAhead;
+    case StampVerdict::kOld:
+      return !empty() && stamp == newest().stamp ? ImuRefusal::kDuplicate : ImuRefusal::kOutOfOrder;
+    case StampVerdict::kSteppedBack:
+      begin_ = size_ = 0;
+      ++counts_.restarts;
+      return std::nullopt;
   }
   return std::nullopt;
 }

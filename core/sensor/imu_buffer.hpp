@@ -10,13 +10,14 @@
 
 #include "core/base/stamp.hpp"
 #include "core/sensor/imu_sample.hpp"
+#include "core/sensor/stamp_gate.hpp"
 
 namespace slamd::sensor {
 
 /// Says why a sample did not enter the buffer.
-enum class ImuRefusal : std::uint8_t { kDuplicate, kOutOfOrder, kNotFinite, kImplausible };
+enum class ImuRefusal : std::uint8_t { kDuplicate, kOutOfOrder, kNotFinite, kImplausible, kFarAhead };
 
-inline constexpr std::size_t kImuRefusals = 4;
+inline constexpr std::size_t kImuRefusals = 5;
 
 /// Names a reason as reports and health spell it.
 std::string_view to_string(ImuRefusal reason);
@@ -31,6 +32,7 @@ struct ImuBufferConfig {
 struct ImuBufferCounts {
   std::uint64_t accepted = 0;
   std::uint64_t overwritten = 0;  // accepted, then pushed out by newer ones before drop_before()
+  std::uint64_t restarts = 0;     // what was newest was wild, or the clock went back: all before was forgotten
   std::array<std::uint64_t, kImuRefusals> refused{};
 
   std::uint64_t refused_for(ImuRefusal reason) const {
@@ -40,16 +42,18 @@ struct ImuBufferCounts {
 
 /// Keeps the newest inertial samples in time order. When full, the oldest one makes room and is
 /// counted. Samples lie at most one gap apart, whatever its length: who integrates looks at the
-/// stamps.
+/// stamps. A gap of more than kLeap is entered by its second sample: the first could be a wild stamp (StampGate).
 /// Real-time: allocates in the constructor only; one thread.
 class ImuBuffer {
  public:
+  static constexpr Duration kLeap = std::chrono::milliseconds{250};
+
   explicit ImuBuffer(const ImuBufferConfig& config);
 
   /// Appends a sample that is newer than all others; returns whether it did.
   /// Errors: refuses and counts a stamp that is equal to the newest (kDuplicate) or older
-  /// (kOutOfOrder), values that are not finite (kNotFinite) or beyond the configured range
-  /// (kImplausible).
+  /// (kOutOfOrder), the first that is newer by more than kLeap (kFarAhead), values that are not finite (kNotFinite)
+  /// or beyond the configured range (kImplausible). After samples that were old for StampGate::kBackSpan it begins anew.
   bool push(const ImuSample& sample);
 
   std::size_t size() const { return size_; }
@@ -83,8 +87,10 @@ class ImuBuffer {
 
  private:
   std::optional<ImuRefusal> refusal(const ImuSample& sample) const;
+  std::optional<ImuRefusal> disorder(Stamp stamp);
 
   ImuBufferConfig config_;
+  StampGate gate_{kLeap};
   // Each sample is written twice, capacity apart, so that any run of samples is contiguous.
   std::vector<ImuSample> ring_;
   std::size_t begin_ = 0;  // of the oldest, in [0, capacity)

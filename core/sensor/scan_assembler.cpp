@@ -32,6 +32,8 @@ std::string_view to_string(BlockRefusal reason) {
       return "backward";
     case BlockRefusal::kMalformed:
       return "malformed";
+    case BlockRefusal::kFarAhead:
+      return "far_ahead";
   }
   return "unknown";
 }
@@ -39,21 +41,56 @@ std::string_view to_string(BlockRefusal reason) {
 ScanAssembler::ScanAssembler(const ScanAssemblerConfig& config)
     : config_(config),
       cut_azimuth_cdeg_(cdeg_from_deg(config.cut_azimuth_deg)),
-      scans_{Scan(config.max_points), Scan(config.max_points)} {
+      scans_{Scan(config.max_points), Scan(config.max_points)},
+      gate_(std::max(kLeap, 2 * config.period)) {
   SLAMD_ASSERT(config.period > Duration::zero() && config.period <= std::chrono::seconds{4});
   SLAMD_ASSERT(config.max_points > 0);
 }
 
 const Scan* ScanAssembler::add(const PointBlock& block) {
-  if (const auto reason = refusal(block)) {
-    ++counts_.blocks_refused[static_cast<std::size_t>(*reason)];
-    counts_.points_refused += block.points.size();
+  completed_ = nullptr;
+  if (malformed(block)) {
+    refuse(block, BlockRefusal::kMalformed);
     return nullptr;
   }
+  const StampVerdict verdict = gate_.judge(block.stamp);
+  const bool ahead_was_wild = verdict == StampVerdict::kSteppedBack || (verdict == StampVerdict::kInOrder && block.stamp <= ahead_.stamp);
+  if (verdict == StampVerdict::kAhead) {
+    if (has_ahead_) {
+      refuse(ahead_, block.stamp == ahead_.stamp ? BlockRefusal::kDuplicate : BlockRefusal::kFarAhead);
+    }
+    has_ahead_ = true;
+    ahead_ = block;
+    return nullptr;
+  }
+  if (has_ahead_ && verdict != StampVerdict::kOld) {
+    has_ahead_ = false;
+    if (ahead_was_wild) {
+      refuse(ahead_, BlockRefusal::kFarAhead);
+    } else {
+      accept(ahead_);
+    }
+  }
+  if (verdict == StampVerdict::kSteppedBack) {
+    forget();
+    ++counts_.restarts;
+  }
+  if (const auto reason = refusal(block)) {
+    refuse(block, *reason);
+  } else {
+    accept(block);
+  }
+  return completed_;
+}
+
+void ScanAssembler::refuse(const PointBlock& block, BlockRefusal reason) {
+  ++counts_.blocks_refused[static_cast<std::size_t>(reason)];
+  counts_.points_refused += block.points.size();
+}
+
+void ScanAssembler::accept(const PointBlock& block) {
   ++counts_.blocks_accepted;
   counts_.points_in += block.points.size();
-
-  completed_ = nullptr;
   const bool after_gap = note_gap(block);
   if (open_ && must_close_before(block)) {
     close_early();
@@ -68,11 +105,14 @@ const Scan* ScanAssembler::add(const PointBlock& block) {
   last_begin_ = block.stamp;
   last_end_ = block.stamp + block.duration;
   last_duration_ = block.duration;
-  return completed_;
 }
 
 const Scan* ScanAssembler::flush() {
   completed_ = nullptr;
+  if (has_ahead_) {
+    has_ahead_ = false;
+    refuse(ahead_, BlockRefusal::kFarAhead);
+  }
   if (open_) {
     close_early();
   }
@@ -80,6 +120,15 @@ const Scan* ScanAssembler::flush() {
 }
 
 void ScanAssembler::reset() {
+  forget();
+  gate_ = StampGate(std::max(kLeap, 2 * config_.period));
+}
+
+void ScanAssembler::forget() {
+  if (has_ahead_) {
+    has_ahead_ = false;
+    refuse(ahead_, BlockRefusal::kFarAhead);
+  }
   if (open_) {
     counts_.points_reset += filling().points.size();
   }
@@ -89,9 +138,6 @@ void ScanAssembler::reset() {
 }
 
 std::optional<BlockRefusal> ScanAssembler::refusal(const PointBlock& block) const {
-  if (malformed(block)) {
-    return BlockRefusal::kMalformed;
-  }
   if (!has_last_) {
     return std::nullopt;
   }

@@ -9,6 +9,7 @@
 #include "core/base/stamp.hpp"
 #include "core/sensor/point_block.hpp"
 #include "core/sensor/scan.hpp"
+#include "core/sensor/stamp_gate.hpp"
 
 namespace slamd::sensor {
 
@@ -36,9 +37,10 @@ enum class BlockRefusal : std::uint8_t {
   kLate,       // older than the middle of the last block, by up to a period: reordered on its way
   kBackward,   // older by more: the clock went backward
   kMalformed,  // sequences or duration contradict themselves or the rule
+  kFarAhead,   // newer by more than kLeap, and the next one is not: a wild stamp
 };
 
-inline constexpr std::size_t kBlockRefusals = 4;
+inline constexpr std::size_t kBlockRefusals = 5;
 
 /// Names a reason as reports and health spell it.
 std::string_view to_string(BlockRefusal reason);
@@ -58,6 +60,7 @@ struct ScanAssemblerCounts {
   std::uint64_t points_over_capacity = 0;  // beyond max_points: also Scan::points_dropped
   std::uint64_t points_unplaced = 0;  // in fragments begun and ended inside one block, after a gap
   std::uint64_t points_reset = 0;     // in scans that reset() threw away
+  std::uint64_t restarts = 0;         // what was newest was wild, or the clock went back: the scan being filled was thrown away
 
   std::uint64_t refused_for(BlockRefusal reason) const {
     return blocks_refused[static_cast<std::size_t>(reason)];
@@ -82,10 +85,14 @@ struct ScanAssemblerCounts {
 /// new one. kAzimuth closes a scan after kLongestScan at the latest: a sensor that does not turn
 /// makes no endless scan.
 ///
+/// A block that leaps ahead by more than kLeap waits until the next one tells a gap from a wild stamp. After blocks that were
+/// old for StampGate::kBackSpan the clock has begun anew, as by reset().
+///
 /// Real-time: allocates in the constructor only (two scans of max_points); one thread.
 class ScanAssembler {
  public:
   static constexpr Duration kLongestScan = std::chrono::milliseconds{500};
+  static constexpr Duration kLeap = std::chrono::milliseconds{250};  // or two periods, if that is more
 
   explicit ScanAssembler(const ScanAssemblerConfig& config);
 
@@ -100,7 +107,7 @@ class ScanAssembler {
   /// Errors: a refused block (see BlockRefusal) is counted and changes nothing else.
   const Scan* add(const PointBlock& block);
 
-  /// Closes the scan being filled, at the end of a recording; nullptr when it holds no block.
+  /// Closes the scan being filled, at the end of a recording; nullptr when it holds no block. A block that waits is refused.
   const Scan* flush();
 
   /// Forgets the scan being filled and the last stamp, so that the clock may begin anew (it went
@@ -110,6 +117,9 @@ class ScanAssembler {
   const ScanAssemblerCounts& counts() const { return counts_; }
 
  private:
+  void forget();
+  void refuse(const PointBlock& block, BlockRefusal reason);
+  void accept(const PointBlock& block);
   std::optional<BlockRefusal> refusal(const PointBlock& block) const;
   bool malformed(const PointBlock& block) const;
   bool note_gap(const PointBlock& block);
@@ -145,6 +155,10 @@ class ScanAssembler {
   Stamp last_sequence_{};
   std::int32_t position_cdeg_ = 0;  // of the last sequence
   double rate_cdeg_per_ns_ = 0.0;   // of turning, seen in the last block; 0: not known
+
+  StampGate gate_;
+  bool has_ahead_ = false;
+  PointBlock ahead_;  // a leap that waits
 
   std::uint64_t next_index_ = 0;
   ScanAssemblerCounts counts_;

@@ -35,6 +35,7 @@ class FrontEnd {
   std::optional<odometry::OdometryResult> go_on_without_scan();
 
   bool started() const { return preprocess_.started(); }
+  std::uint64_t wheels_refused() const { return preprocess_.wheels_refused(); }
   const odometry::Odometry& odometry() const { return odometry_.odometry(); }
   const sensor::ImuBuffer& imu() const { return preprocess_.imu(); }
   const scan::DeskewedScan& deskewed() const { return preprocessed_.deskewed; }

@@ -16,11 +16,8 @@ void OdometryStage::take(const PreprocessedScan& scan) {
   for (const sensor::ImuSample& sample : scan.imu) {
     imu_.push(sample);
   }
-  if (wheels_.size() + scan.wheels.size() > wheels_.capacity()) {
-    wheels_.clear();
-  }
   for (const sensor::WheelSample& sample : scan.wheels) {
-    wheels_.push_back(sample);
+    push_newest(wheels_, sample);
   }
   if (scan.start) {
     odometry_.start(*scan.start);

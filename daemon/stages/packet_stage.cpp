@@ -197,6 +197,10 @@ std::vector<std::string> PacketStage::remarks() const {
   if (clock_.health().steps != 0) {
     lines.push_back("the sensor's clock jumped " + std::to_string(clock_.health().steps) + " times");
   }
+  if (clock_.health().taken_off != Duration{}) {
+    lines.push_back("the sensor's clock is no longer the shared one: it is ahead by " +
+                    std::to_string(to_seconds(clock_.health().taken_off)) + " s, which is taken off");
+  }
   return lines;
 }
 

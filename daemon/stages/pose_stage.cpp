@@ -70,7 +70,7 @@ void PoseStage::advance(const ImuSample& before, const ImuSample& after) {
   } else if (after.stamp > state_.stamp) {
     const ImuSample first = inertial::interpolate(before, after, from);
     inertial::propagate_interval(state_, P_, inertial::mean_of(first, after), to_seconds(after.stamp - state_.stamp),
-                                 config_.imu_noise);
+                                 config_.imu_noise.between(from - anchor_.state.stamp, after.stamp - anchor_.state.stamp));
     state_.stamp = after.stamp;
   }
 }

@@ -56,16 +56,27 @@ PreprocessStage::PreprocessStage(const odometry::OdometryConfig& config)
 
 void PreprocessStage::add_imu(ImuSample sample) {
   sample.stamp -= config_.imu_offset;
+  const std::uint64_t restarts = imu_.counts().restarts;
   if (!config_.use_imu || !imu_.push(sample)) {
     return;
   }
-  if (!pending_imu_.try_push_back(sample)) {
-    // Not started yet, or nobody takes them: the odometry needs the newest.
+  if (imu_.counts().restarts != restarts) {
     pending_imu_.clear();
-    pending_imu_.push_back(sample);
+    begin_hearing_anew();
   }
+  push_newest(pending_imu_, sample);  // not started yet, or nobody takes them: the odometry needs the newest
   heard_ = std::max(heard_, sample.stamp);
   level(sample);
+}
+
+/// What was heard last was wild, or the clock went back: what was levelled with it is of no use.
+void PreprocessStage::begin_hearing_anew() {
+  heard_ = Stamp{};
+  lateness_ = Duration{};
+  aligner_ = inertial::StartUpAlignment(config_.start_up);
+  if (!started_) {
+    alignment_.reset();
+  }
 }
 
 void PreprocessStage::level(const ImuSample& sample) {
@@ -79,17 +90,21 @@ void PreprocessStage::level(const ImuSample& sample) {
 }
 
 void PreprocessStage::add_wheel(const sensor::WheelSample& sample) {
-  if (!pending_wheels_.empty() && sample.stamp <= pending_wheels_[pending_wheels_.size() - 1].stamp) {
+  const sensor::StampVerdict verdict = wheel_gate_.judge(sample.stamp);
+  if (verdict == sensor::StampVerdict::kAhead || verdict == sensor::StampVerdict::kOld) {
+    ++wheels_refused_;
     return;
+  }
+  if (verdict == sensor::StampVerdict::kSteppedBack) {
+    pending_wheels_.clear();
+    heard_ = Stamp{};
+    lateness_ = Duration{};
   }
   if (std::abs(sample.speed_mps) > kTurningWheels_mps) {
     aligner_.note_moving();
   }
   heard_ = std::max(heard_, sample.stamp);
-  if (!pending_wheels_.try_push_back(sample)) {
-    pending_wheels_.clear();
-    pending_wheels_.push_back(sample);
-  }
+  push_newest(pending_wheels_, sample);
 }
 
 bool PreprocessStage::ready_for(const sensor::Scan& scan, Stamp now) const {
@@ -150,7 +165,7 @@ bool PreprocessStage::process(const sensor::Scan& scan, PreprocessedScan& out) {
     return false;
   }
   note_lateness(scan);
-  if (reached_ > scan_end_ && scan.end <= reached_) {
+  if (scan.end <= reached_) {
     return false;
   }
   const double begin_ms = thread_cpu_ms();

@@ -10,6 +10,7 @@
 #include "core/scan/preprocessor.hpp"
 #include "core/sensor/imu_buffer.hpp"
 #include "core/sensor/scan.hpp"
+#include "core/sensor/stamp_gate.hpp"
 #include "core/sensor/wheel_sample.hpp"
 
 namespace slamd::stages {
@@ -56,13 +57,15 @@ class PreprocessStage {
   static constexpr Duration kSilentLag = std::chrono::milliseconds(350);
   /// While there is no scan to start with, odom is levelled anew so often: what it was level with may have been moved.
   static constexpr Duration kLevelAgain = std::chrono::seconds(1);
+  static constexpr Duration kWheelLeap = std::chrono::seconds(1);
 
   explicit PreprocessStage(const odometry::OdometryConfig& config);
 
   /// Takes an inertial sample in; levels odom with the first ones.
   void add_imu(sensor::ImuSample sample);
 
-  /// Hands a sample of the wheels on, with the next scan.
+  /// Hands a sample of the wheels on, with the next scan. One that leaps ahead by more than kWheelLeap is refused until
+  /// a second one tells that it is no wild stamp.
   void add_wheel(const sensor::WheelSample& sample);
 
   /// Takes in what the odometry found. What is left of an epoch before is of no use.
@@ -92,7 +95,11 @@ class PreprocessStage {
   /// Scans that were deskewed with an older state than k−2: the odometry was late.
   std::uint64_t late_feedback() const { return late_feedback_; }
 
+  /// Samples of the wheels that were refused for their stamps: old, or far ahead.
+  std::uint64_t wheels_refused() const { return wheels_refused_; }
+
  private:
+  void begin_hearing_anew();
   void level(const sensor::ImuSample& sample);
   bool start(const sensor::Scan& scan, PreprocessedScan& out);
   Stamp next_heard() const;
@@ -111,6 +118,8 @@ class PreprocessStage {
   std::uint32_t epoch_ = 1;
   std::uint64_t sequence_ = 0;      // of the last scan handed over
   std::uint64_t late_feedback_ = 0;
+  sensor::StampGate wheel_gate_{kWheelLeap, sensor::StampGate::First::kMustBeConfirmed};
+  std::uint64_t wheels_refused_ = 0;
   Stamp heard_{};                   // newest sample of the inertial sensor or the wheels
   Stamp scan_end_{};                // of the last scan handed over
   Duration lateness_{};             // by which scans come later than the samples of their end; the most of late
@@ -127,6 +136,16 @@ class PreprocessStage {
 /// Returns the samples that bracket [from, to]: one at or before, one at or after, and all between. Empty when
 /// none reaches into the interval.
 std::span<const sensor::ImuSample> bracket(std::span<const sensor::ImuSample> samples, Stamp from, Stamp to);
+
+/// Appends; when full, the older half makes room, which costs next to nothing a sample.
+template <typename Sample>
+void push_newest(BoundedVector<Sample>& samples, const Sample& sample) {
+  if (samples.full()) {
+    const auto kept = samples.view().last(samples.size() / 2);
+    samples.assign(kept);
+  }
+  samples.push_back(sample);
+}
 
 /// CPU time of the calling thread.  Units: ms.
 double thread_cpu_ms();

@@ -5,7 +5,11 @@
 #include <cmath>
 #include <string_view>
 
+#include "core/sensor/stamp_gate.hpp"
+
 namespace slamd::recording {
+
+using sensor::later_by_more;
 
 namespace {
 
@@ -14,6 +18,16 @@ constexpr const char* kImuColumns[] = {"timestamp_ns", "gx_rad_s", "gy_rad_s", "
 constexpr const char* kWheelColumns[] = {"timestamp_ns", "v_m_s", "w_rad_s"};
 constexpr const char* kGnssColumns[] = {"timestamp_ns", "quality", "lat_deg",   "lon_deg",   "alt_m",
                                         "sats",         "hdop",    "speed_m_s", "course_deg"};
+
+/// Rows that are looked at before one is given.
+constexpr std::size_t kRowsAhead = 8;
+
+// A file may hold any 64 bits: sums wrap instead of overflowing.
+Stamp shifted(Stamp stamp, std::uint64_t back_ns) {
+  return Stamp{Duration{static_cast<std::int64_t>(static_cast<std::uint64_t>(stamp.time_since_epoch().count()) - back_ns)}};
+}
+
+std::uint64_t nanoseconds(Stamp stamp) { return static_cast<std::uint64_t>(stamp.time_since_epoch().count()); }
 
 /// What a row's number means: it counts as NMEA's GGA does.
 sensor::FixQuality quality_of(double number) {
@@ -63,6 +77,7 @@ const char* name_of(RowRefusal reason) {
     case RowRefusal::kTooFewColumns: return "too_few_columns";
     case RowRefusal::kNotANumber: return "not_a_number";
     case RowRefusal::kTimeNotIncreasing: return "time_not_increasing";
+    case RowRefusal::kTimeFarAhead: return "time_far_ahead";
   }
   return "?";
 }
@@ -88,26 +103,71 @@ CsvReader::CsvReader(const std::filesystem::path& file, std::span<const char* co
 }
 
 bool CsvReader::next(Stamp& stamp, std::span<double> values) {
-  while (std::getline(stream_, line_)) {
-    ++line_number_;
-    if (trimmed(line_).empty() || line_.front() == '#') {
+  for (read_ahead(); !ahead_.empty(); read_ahead()) {
+    const Row row = std::move(ahead_.front());
+    ahead_.pop_front();
+    if (const auto refusal = disorder(row)) {
+      refuse(*refusal, row.line);
       continue;
     }
-    const std::optional<RowRefusal> refusal = parse(stamp, values);
-    if (!refusal) {
-      last_ = stamp;
-      ++counters_.rows;
-      return true;
-    }
-    ++counters_.refused[static_cast<std::size_t>(*refusal)];
-    if (counters_.first_refused_line == 0) {
-      counters_.first_refused_line = line_number_;
-    }
+    last_ = stamp = shifted(row.stamp, taken_off_ns_);
+    std::copy(row.values.begin(), row.values.end(), values.begin());
+    ++counters_.rows;
+    return true;
   }
   return false;
 }
 
-std::optional<RowRefusal> CsvReader::parse(Stamp& stamp, std::span<double> values) const {
+void CsvReader::read_ahead() {
+  while (ahead_.size() <= kRowsAhead && std::getline(stream_, line_)) {
+    ++line_number_;
+    if (trimmed(line_).empty() || line_.front() == '#') {
+      continue;
+    }
+    Row row{{}, std::vector<double>(places_.size() - 1), line_number_};
+    if (const auto refusal = parse(row)) {
+      refuse(*refusal, row.line);
+    } else {
+      ahead_.push_back(std::move(row));
+    }
+  }
+}
+
+void CsvReader::refuse(RowRefusal reason, std::uint64_t line) {
+  ++counters_.refused[static_cast<std::size_t>(reason)];
+  counters_.first_refused_line = counters_.first_refused_line == 0 ? line : std::min(line, counters_.first_refused_line);
+}
+
+std::optional<RowRefusal> CsvReader::disorder(const Row& row) {
+  if (last_ && shifted(row.stamp, taken_off_ns_) <= *last_) {
+    if (!has_stepped_back(row)) {
+      return RowRefusal::kTimeNotIncreasing;
+    }
+    ++counters_.steps_back;
+    // One more row's time than from the last one to it.
+    taken_off_ns_ = 2 * nanoseconds(row.stamp) - nanoseconds(ahead_.front().stamp) - nanoseconds(*last_);
+  }
+  return is_far_ahead(row) ? std::optional(RowRefusal::kTimeFarAhead) : std::nullopt;
+}
+
+bool CsvReader::is_far_ahead(const Row& row) const {
+  return (!last_ || later_by_more(shifted(row.stamp, taken_off_ns_), *last_, kLeap)) &&
+         std::any_of(ahead_.begin(), ahead_.end(), [&](const Row& later) {
+           return later_by_more(row.stamp, later.stamp, kLeap) && (!last_ || shifted(later.stamp, taken_off_ns_) > *last_);
+         });
+}
+
+bool CsvReader::has_stepped_back(const Row& row) const {
+  const auto is_old = [&](const Row& other) { return later_by_more(*last_, shifted(other.stamp, taken_off_ns_), kLeap); };
+  const auto in_order = [](const Row& a, const Row& b) { return a.stamp < b.stamp && !later_by_more(b.stamp, a.stamp, kLeap); };
+  bool steady = ahead_.size() >= kRowsAhead && is_old(row) && in_order(row, ahead_.front());
+  for (std::size_t i = 0; steady && i < ahead_.size(); ++i) {
+    steady = is_old(ahead_[i]) && (i == 0 || in_order(ahead_[i - 1], ahead_[i]));
+  }
+  return steady;
+}
+
+std::optional<RowRefusal> CsvReader::parse(Row& row) const {
   std::size_t found = 0;
   bool numbers = true;
   for_each_field(line_, [&](std::size_t index, std::string_view text) {
@@ -119,9 +179,9 @@ std::optional<RowRefusal> CsvReader::parse(Stamp& stamp, std::span<double> value
       if (i == 0) {
         std::int64_t ns = 0;
         numbers = parse_number(text, ns) && numbers;
-        stamp = Stamp{} + Duration(ns);
+        row.stamp = Stamp{} + Duration(ns);
       } else {
-        numbers = parse_number(text, values[i - 1]) && std::isfinite(values[i - 1]) && numbers;
+        numbers = parse_number(text, row.values[i - 1]) && std::isfinite(row.values[i - 1]) && numbers;
       }
     }
   });
@@ -130,9 +190,6 @@ std::optional<RowRefusal> CsvReader::parse(Stamp& stamp, std::span<double> value
   }
   if (!numbers) {
     return RowRefusal::kNotANumber;
-  }
-  if (last_ && stamp <= *last_) {
-    return RowRefusal::kTimeNotIncreasing;
   }
   return std::nullopt;
 }

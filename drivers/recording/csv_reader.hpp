@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <deque>
 #include <filesystem>
 #include <fstream>
 #include <optional>
@@ -17,9 +18,9 @@
 namespace slamd::recording {
 
 /// Why a row was not taken.
-enum class RowRefusal : std::uint8_t { kTooFewColumns, kNotANumber, kTimeNotIncreasing };
+enum class RowRefusal : std::uint8_t { kTooFewColumns, kNotANumber, kTimeNotIncreasing, kTimeFarAhead };
 
-inline constexpr std::size_t kRowRefusals = 3;
+inline constexpr std::size_t kRowRefusals = 4;
 
 const char* name_of(RowRefusal reason);
 
@@ -27,13 +28,20 @@ struct CsvCounters {
   std::uint64_t rows = 0;  // taken
   std::array<std::uint64_t, kRowRefusals> refused{};
   std::uint64_t first_refused_line = 0;  // 1-based; 0: none
+  std::uint64_t steps_back = 0;          // of the stamps' clock, taken off
 };
 
 /// Reads the named columns of a CSV file, whatever their order; the first is the stamp in integer nanoseconds.
 /// Errors: RecordingError for a file that cannot be read, and for a header in which a column is missing (which is
 /// named); bad rows are counted by reason and passed over. Extra columns are ignored.
+///
+/// A stamp counts for what the rows after it make of it. One that is ahead of a later row by more than kLeap is wild
+/// (kTimeFarAhead). Where all the next rows are old, but in order, the clock has stepped back: they go on from the row before.
+/// A step forward looks like a gap, and is taken for one.
 class CsvReader {
  public:
+  static constexpr Duration kLeap = std::chrono::milliseconds{500};
+
   CsvReader(const std::filesystem::path& file, std::span<const char* const> columns);
 
   /// Reads the next good row: the stamp and the other columns in the order they were named.
@@ -43,14 +51,27 @@ class CsvReader {
   const CsvCounters& counters() const { return counters_; }
 
  private:
-  std::optional<RowRefusal> parse(Stamp& stamp, std::span<double> values) const;
+  struct Row {
+    Stamp stamp{};
+    std::vector<double> values;
+    std::uint64_t line = 0;
+  };
+
+  void read_ahead();
+  std::optional<RowRefusal> parse(Row& row) const;
+  std::optional<RowRefusal> disorder(const Row& row);
+  bool is_far_ahead(const Row& row) const;
+  bool has_stepped_back(const Row& row) const;
+  void refuse(RowRefusal reason, std::uint64_t line);
 
   std::filesystem::path file_;
   std::ifstream stream_;
   std::string line_;
   std::uint64_t line_number_ = 0;
   std::vector<std::size_t> places_;  // of the named columns among the file's
-  std::optional<Stamp> last_;
+  std::deque<Row> ahead_;           // read, and not yet given
+  std::optional<Stamp> last_;       // that was given
+  std::uint64_t taken_off_ns_ = 0;  // of all stamps since a step back, modulo 2^64
   CsvCounters counters_;
 };
 

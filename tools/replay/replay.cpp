@@ -57,6 +57,9 @@ class ImuSource {
           counts.emplace_back(std::string("refused_row_") + name_of(static_cast<recording::RowRefusal>(i)), refused);
         }
       }
+      if (reader_->counters().steps_back != 0) {
+        counts.emplace_back("steps_back", reader_->counters().steps_back);
+      }
     } else if (source_ != nullptr) {
       counts.emplace_back("rows", samples_);
     }
@@ -158,6 +161,9 @@ class Player {
     run_.imu = imu_.counts();
     const sensor::ImuBufferCounts& imu = front_end_.imu().counts();
     run_.imu.emplace_back("accepted", imu.accepted);
+    if (imu.restarts != 0) {
+      run_.imu.emplace_back("restarts", imu.restarts);
+    }
     for (std::size_t i = 0; i < sensor::kImuRefusals; ++i) {
       if (imu.refused[i] != 0) {
         run_.imu.emplace_back("refused_" + std::string(to_string(static_cast<sensor::ImuRefusal>(i))), imu.refused[i]);
@@ -165,6 +171,9 @@ class Player {
     }
     run_.wheel = wheels_.counts();
     const inertial::WheelUpdate& wheels = front_end_.odometry().wheels();
+    if (front_end_.wheels_refused() != 0) {
+      run_.wheel.emplace_back("refused_stamp", front_end_.wheels_refused());
+    }
     run_.wheel.emplace_back("used", wheels.counts().used);
     run_.wheel.emplace_back("slipped", wheels.counts().slipped);
     run_.alignment = front_end_.alignment();

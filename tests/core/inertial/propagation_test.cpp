@@ -117,6 +117,22 @@ TEST(Propagation, StaysWhereItIsWhenNobodyTellsOfTheTimeAndSaysWhatThatIsWorth) 
   EXPECT_LT(std::sqrt(up_imu.unitOrthogonal().dot(P.block<3, 3>(kRotation, kRotation) * up_imu.unitOrthogonal())), 0.1);
 }
 
+TEST(Propagation, ATurnLeavesTheSensorsScaleTimesItselfHoweverManyStepsItTakes) {
+  for (const int steps : {1, 7, 40}) {
+    const ImuNoise noise{0.0, 0.0, 0.0, 0.0};
+    NavState sut;
+    Covariance P = Covariance::Zero();
+    const ImuSample turning{Stamp{}, {0.0, 0.0, 1.4}, {0.0, 0.0, 9.8}};
+    for (int i = 0; i < steps; ++i) {
+      const Duration t0 = std::chrono::seconds(2) * i / steps;
+      const Duration t1 = std::chrono::seconds(2) * (i + 1) / steps;
+      propagate_interval(sut, P, turning, to_seconds(t1 - t0), noise.between(t0, t1));
+    }
+
+    EXPECT_NEAR(std::sqrt(P(kRotation + 2, kRotation + 2)), noise.gyro_scale_error * 2.8, 1e-6);
+  }
+}
+
 TEST(Propagation, DoesNotAllocate) {
   SLAMD_NEEDS_ALLOCATION_GUARD();
   NavState sut = some_state();

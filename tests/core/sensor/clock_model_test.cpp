@@ -411,16 +411,48 @@ TEST(ClockModel, SharedVelodyneClockGetsItsHourFromTheArrival) {
   }
 }
 
-TEST(ClockModel, SharedClockReportsStepsButKeepsPassingThrough) {
+TEST(ClockModel, SharedClockReportsSmallStepsButKeepsPassingThrough) {
   ClockModel sut(ClockConfig{.kind = ClockKind::kShared});
   for (int i = 0; i < 2000; ++i) {
     const Stamp arrival = kStart + i * milliseconds{2};
-    const Duration device = arrival.time_since_epoch() + (i < 1000 ? seconds{0} : seconds{1});
+    const Duration device = arrival.time_since_epoch() + milliseconds{i < 1000 ? 0 : 400};
     EXPECT_EQ(sut.map(DeviceStamp{device}, arrival), Stamp{device});
   }
 
   EXPECT_EQ(sut.health().steps, 1U);
-  EXPECT_EQ(sut.health().last_step, seconds{1});
+  EXPECT_EQ(sut.health().last_step, milliseconds{400});
+}
+
+TEST(ClockModel, TakesAStepOffASharedClockWithinATenthOfASecondUntilItStepsBack) {
+  for (const Duration step : {Duration{hours{1}}, Duration{-hours{24 * 365 * 40}}, Duration{seconds{1}}}) {
+    ClockModel sut(ClockConfig{.kind = ClockKind::kShared});
+    for (int i = 0; i < 3000; ++i) {
+      const Stamp arrival = kStart + i * milliseconds{2};
+      const Stamp true_stamp = arrival - microseconds{300};
+      const bool stepped = i >= 1000 && i < 2000;
+      const Stamp mapped = sut.map(DeviceStamp{true_stamp.time_since_epoch() + (stepped ? step : Duration{})}, arrival);
+      if (i < 1000 || i >= 2050) {
+        EXPECT_EQ(mapped, true_stamp) << i;
+      } else if (i >= 1050 && i < 2000) {
+        EXPECT_NEAR(microseconds_of(mapped - true_stamp), 0.0, 50.0) << i;
+      }
+    }
+    EXPECT_EQ(sut.health().steps, 2U);
+    EXPECT_EQ(sut.health().taken_off, Duration{});
+  }
+}
+
+TEST(ClockModel, WildStampsOfASharedClockChangeNothingAfterThem) {
+  for (const int wild_at : {0, 1, 1000}) {
+    for (const Duration wild : {Duration{hours{1}}, Duration{-hours{1}}}) {
+      ClockModel sut(ClockConfig{.kind = ClockKind::kShared});
+      for (int i = 0; i < 2000; ++i) {
+        const Stamp arrival = kStart + i * milliseconds{2};
+        const Duration device = arrival.time_since_epoch() + (i == wild_at ? wild : Duration{});
+        EXPECT_EQ(sut.map(DeviceStamp{device}, arrival), Stamp{device}) << wild_at << ' ' << i;
+      }
+    }
+  }
 }
 
 TEST(ClockModel, ResidualIsTheJitterAboveTheEnvelope) {

@@ -54,6 +54,29 @@ TEST(ImuBuffer, RefusesWhatIsNotNewerAndCountsItByReason) {
   EXPECT_EQ(sut.size(), 3U);
 }
 
+TEST(ImuBuffer, OneWildStampIsRefusedAndTheNextSamplesAreTaken) {
+  ImuBuffer sut = filled(8, 3);
+
+  EXPECT_FALSE(sut.push(sample_at(3'600)));
+  EXPECT_TRUE(sut.push(sample_at(15)));
+
+  EXPECT_EQ(sut.counts().refused_for(ImuRefusal::kFarAhead), 1U);
+  EXPECT_EQ(sut.newest().stamp, at_ms(15));
+}
+
+TEST(ImuBuffer, BeginsAnewAfterAWildFirstStamp) {
+  ImuBuffer sut(ImuBufferConfig{});
+  sut.push(sample_at(3'600));
+
+  for (int i = 0; i < 100; ++i) {
+    sut.push(sample_at(5 * i));
+  }
+
+  EXPECT_EQ(sut.counts().restarts, 1U);
+  EXPECT_EQ(sut.newest().stamp, at_ms(495));
+  EXPECT_EQ(sut.oldest().stamp, at_ms(255));
+}
+
 TEST(ImuBuffer, RefusesWhatIsNotFiniteOrImplausible) {
   ImuBuffer sut = filled(8, 1);
   ImuSample not_finite = sample_at(5);
@@ -183,6 +206,7 @@ TEST(ImuBuffer, NamesEveryReason) {
   EXPECT_EQ(to_string(ImuRefusal::kOutOfOrder), "out_of_order");
   EXPECT_EQ(to_string(ImuRefusal::kNotFinite), "not_finite");
   EXPECT_EQ(to_string(ImuRefusal::kImplausible), "implausible");
+  EXPECT_EQ(to_string(ImuRefusal::kFarAhead), "far_ahead");
 }
 
 }  // namespace

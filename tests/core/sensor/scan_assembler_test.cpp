@@ -339,6 +339,7 @@ TEST(ScanAssembler, GapLongerThanARevolutionClosesTheScan) {
   spinner.time += milliseconds{250};
 
   checker.check(sut.add(spinner.next()));
+  checker.check(sut.add(spinner.next()));  // so it was no wild stamp
 
   ASSERT_EQ(checker.scans.size(), 1U);
   EXPECT_FALSE(checker.scans[0].complete);
@@ -358,9 +359,11 @@ TEST(ScanAssembler, FragmentBetweenAGapAndACutInOneBlockIsCounted) {
   spinner.time += seconds{3};
   spinner.azimuth_deg = 179.0;
 
-  const PointBlock block = spinner.next();
-  fed += block.points.size();
-  checker.check(sut.add(block));
+  for (int i = 0; i < 2; ++i) {
+    const PointBlock block = spinner.next();
+    fed += block.points.size();
+    checker.check(sut.add(block));
+  }
   checker.check(sut.flush());
 
   EXPECT_EQ(checker.scans.size(), 2U);
@@ -490,6 +493,61 @@ TEST(ScanAssembler, ResetLetsTheClockBeginAnew) {
   expect_all_points_accounted_for(sut.counts(), fed, checker.points);
 }
 
+TEST(ScanAssembler, RefusesOneWildStampAndGoesOn) {
+  for (const bool livox : {false, true}) {
+    for (const Duration wild : {Duration{seconds{3600}}, Duration{milliseconds{300}}, Duration{-seconds{3600}}}) {
+      ScanAssembler sut(livox ? livox_config() : small_config());
+      Spinner spinner;
+      Checker checker;
+      std::uint64_t fed = 0;
+      for (int i = 0; i < 1000; ++i) {
+        PointBlock block = livox ? livox_block(spinner.time) : spinner.next();
+        spinner.time += livox ? block.duration : Duration::zero();
+        block.stamp += i == 500 ? wild : Duration{};
+        fed += block.points.size();
+        checker.check(sut.add(block));
+      }
+      checker.check(sut.flush());
+
+      EXPECT_EQ(sut.counts().refused_for(wild > Duration{} ? BlockRefusal::kFarAhead : BlockRefusal::kBackward), 1U);
+      EXPECT_EQ(sut.counts().blocks_accepted, 999U);
+      EXPECT_EQ(sut.counts().blocks_missing, 1U);
+      EXPECT_EQ(checker.scans.size(), livox ? 4U : 14U);
+      expect_all_points_accounted_for(sut.counts(), fed, checker.points);
+    }
+  }
+}
+
+TEST(ScanAssembler, GivesUpAWildFirstStampWithinAThirdOfASecond) {
+  ScanAssembler sut(small_config());
+  Spinner spinner;
+  Checker checker;
+  std::uint64_t fed = 0;
+  for (int i = 0; i < 500; ++i) {
+    PointBlock block = spinner.next();
+    block.stamp += i == 0 ? seconds{3600} : seconds{0};
+    fed += block.points.size();
+    checker.check(sut.add(block));
+  }
+  checker.check(sut.flush());
+
+  EXPECT_EQ(sut.counts().restarts, 1U);
+  EXPECT_LT(sut.counts().refused_for(BlockRefusal::kBackward), 230U);
+  EXPECT_GE(checker.scans.size(), 4U);
+  expect_all_points_accounted_for(sut.counts(), fed, checker.points);
+}
+
+TEST(ScanAssembler, LosesNoBlockOfAGap) {
+  ScanAssembler sut(small_config());
+  Spinner spinner;
+  for (int i = 0; i < 200; ++i) {
+    spinner.time += i == 100 ? seconds{2} : seconds{0};
+    sut.add(spinner.next());
+  }
+
+  EXPECT_EQ(sut.counts().blocks_accepted, 200U);
+}
+
 // Whatever is lost, repeated, swapped or delayed: no point vanishes uncounted and every scan is
 // sound.
 TEST(ScanAssembler, AccountsForEveryPointUnderRandomFaults) {
@@ -519,6 +577,12 @@ TEST(ScanAssembler, AccountsForEveryPointUnderRandomFaults) {
       }
       if (dice == 3) {
         spinner.time += milliseconds{random() % 400};
+      }
+      if (dice == 6) {
+        PointBlock wild = block;
+        wild.stamp += milliseconds{(random() % 2 == 0 ? 1 : -1) * static_cast<int>(300 + random() % 2000)};
+        feed(wild);
+        continue;
       }
       if (dice == 4 && !holding) {
         held = block;
@@ -566,6 +630,7 @@ TEST(ScanAssembler, NamesEveryReason) {
   EXPECT_EQ(to_string(BlockRefusal::kLate), "late");
   EXPECT_EQ(to_string(BlockRefusal::kBackward), "backward");
   EXPECT_EQ(to_string(BlockRefusal::kMalformed), "malformed");
+  EXPECT_EQ(to_string(BlockRefusal::kFarAhead), "far_ahead");
 }
 
 }  // namespace

@@ -195,6 +195,7 @@ struct SilentLidar {
   double from_s = 3.0;
   double to_s = 63.0;
   bool imu_too = false;
+  std::vector<double> wild_s;           // before these, a sample of both kinds that is stamped an hour ahead
 
   std::vector<OdometryResult> steps;    // without a scan
   std::vector<OdometryResult> results;  // after the silence
@@ -219,6 +220,15 @@ struct SilentLidar {
         }
         if (silent && imu_too) {
           continue;
+        }
+        for (const double wild : wild_s) {
+          if (std::abs(0.005 * next_imu - wild) < 0.0025) {
+            sut.add_imu({sample.stamp + std::chrono::hours(1), sample.angular_rate_radps, sample.specific_force_mps2});
+            sut.add_wheel({sample.stamp + std::chrono::hours(1), 0.0, 0.0});
+          }
+        }
+        if (!wild_s.empty() && next_imu % 20 == 0) {
+          sut.add_wheel({sample.stamp, 0.0, 0.0});
         }
         sut.add_imu(sample);
         std::optional<OdometryResult> step;
@@ -330,6 +340,41 @@ TEST(FrontEnd, DoesNotAllocate) {
 
   EXPECT_GT(outcome.scans, 10);
   EXPECT_EQ(outcome.allocations, 0U);
+}
+
+TEST(FrontEnd, TracksOnAfterWildStampsOfInertialSensorAndWheels) {
+  SilentLidar sut;
+  sut.drive.rest_s = 100.0;
+  sut.from_s = sut.to_s = 2.0;
+  sut.wild_s = {1e-3, 3.0, 4.0};  // the first sample of all, and two later ones
+
+  sut.run(6.0);
+
+  EXPECT_TRUE(sut.steps.empty());
+  ASSERT_GT(sut.results.size(), 35U);
+  for (const OdometryResult& result : sut.results) {
+    EXPECT_EQ(result.state, State::kTracking) << name_of(result.cause);
+  }
+  EXPECT_LT(sut.error_m, 0.02);
+}
+
+TEST(FrontEnd, KeepsTheNewestSamplesOfALongWaitForTheFirstScan) {
+  PreprocessStage sut{small_config()};
+  PreprocessedScan out{small_config()};
+  const auto sample_at = [](int i) { return ImuSample{Stamp{} + std::chrono::milliseconds(i), {}, {0.0, 0.0, 9.81}}; };
+  for (int i = 0; i < 4100; ++i) {  // one more than fit would have emptied it
+    sut.add_imu(sample_at(i));
+  }
+  std::mt19937_64 engine(13);
+  const world::Room room;
+
+  const Stamp begin = Stamp{} + std::chrono::milliseconds(3990);
+  ASSERT_TRUE(sut.process(room.scan(begin, std::chrono::milliseconds(100), 600, 0.01, engine,
+                                    [](double) { return Se3(Eigen::Matrix3d::Identity(), {0.0, 0.0, 1.0}); }), out));
+
+  ASSERT_GT(out.imu.size(), 2000U);
+  EXPECT_LE(out.imu[0].stamp, begin);
+  EXPECT_EQ(out.imu.back().stamp, sample_at(4099).stamp);
 }
 
 TEST(FrontEnd, WaitsForInertialSamplesButNotForEver) {

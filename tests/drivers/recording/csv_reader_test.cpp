@@ -57,6 +57,41 @@ TEST_F(CsvReaderTest, FindsColumnsByNameAndIgnoresOthers) {
   EXPECT_EQ(samples[0].specific_force_mps2, Eigen::Vector3d(4.0, 5.0, 6.0));
 }
 
+TEST_F(CsvReaderTest, PassesOverWildStampsAndGoesOn) {
+  std::string rows = kHeader;
+  for (int i = 0; i < 40; ++i) {
+    const bool wild = i == 0 || i == 10 || i == 11 || i == 25;
+    rows += std::to_string(1'700'000'000'000'000'000 + 5'000'000LL * i + (wild ? 3'600'000'000'000LL * (i == 25 ? -1 : 1) : 0)) +
+            ",0,0,0,0,0,9.8\n";
+  }
+  ImuCsvReader sut(write("imu.csv", rows));
+
+  const auto samples = read_all(sut);
+
+  ASSERT_EQ(samples.size(), 36U);
+  EXPECT_EQ(samples.back().stamp.time_since_epoch().count(), 1'700'000'000'195'000'000);
+  EXPECT_EQ(refused(sut, RowRefusal::kTimeFarAhead), 3U);
+  EXPECT_EQ(refused(sut, RowRefusal::kTimeNotIncreasing), 1U);
+  EXPECT_EQ(sut.counters().first_refused_line, 2U);
+}
+
+TEST_F(CsvReaderTest, GoesOnWhereTheClockSteppedBackAndTakesAGapForOne) {
+  std::string rows = kHeader;
+  for (int i = 0; i < 60; ++i) {
+    const std::int64_t step_ms = i < 20 ? 0 : i < 40 ? 10'000 : -7'200'000;  // 10 s without rows, then the clock goes back
+    rows += std::to_string(1'700'000'000'000'000'000 + 5'000'000LL * i + 1'000'000LL * step_ms) + ",0,0,0,0,0,9.8\n";
+  }
+  ImuCsvReader sut(write("imu.csv", rows));
+
+  const auto samples = read_all(sut);
+
+  ASSERT_EQ(samples.size(), 60U);
+  for (std::size_t i = 1; i < samples.size(); ++i) {
+    EXPECT_EQ(samples[i].stamp - samples[i - 1].stamp, std::chrono::milliseconds(i == 20 ? 10'005 : 5));
+  }
+  EXPECT_EQ(sut.counters().steps_back, 1U);
+}
+
 TEST_F(CsvReaderTest, CountsBadRowsByReasonAndGoesOn) {
   ImuCsvReader sut(write("imu.csv",
                          std::string(kHeader) + "100,0,0,0,0,0,9\n"
