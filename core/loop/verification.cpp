@@ -175,13 +175,23 @@ registration::NormalEquations LoopVerifier::register_to_planes(std::span<const E
   return registration::linearize(association_.constraints.view(), T, config_.kernel_m);
 }
 
+/// How the two clouds contradict each other at a pose: the worse of the two ways to look.
+LoopVerifier::Contradiction LoopVerifier::contradiction_of(std::span<const Eigen::Vector3f> points_query,
+                                                           const Se3& T_candidate_query) const {
+  const SeenThrough query = candidate_view_.seen_through(points_query, T_candidate_query);
+  const SeenThrough candidate = query_view_.seen_through(candidate_points_.view(), T_candidate_query.inverse());
+  return {std::max(query.share(), candidate.share()), std::min(query.in_field, candidate.in_field)};
+}
+
 void LoopVerifier::refine_modes() {
   for (Mode& mode : modes_) {
     mode.T_candidate_query =
         registration::align_to_surfaces(refine_points_.view(), map_, mode.T_candidate_query, refining(), constraints_);
     const registration::NormalEquations sum =
         register_to_planes(refine_points_.view(), refine_points_.size(), kModeAssociations, mode.T_candidate_query);
-    mode.score = static_cast<double>(sum.inliers) / static_cast<double>(refine_points_.size());
+    mode.seen_through = contradiction_of(refine_points_.view(), mode.T_candidate_query).seen_through;
+    mode.score = static_cast<double>(sum.inliers) / static_cast<double>(refine_points_.size()) *
+                 std::exp(-mode.seen_through / config_.sight_scale);
   }
   std::sort(modes_.begin(), modes_.end(), [](const Mode& a, const Mode& b) { return a.score > b.score; });
 }
@@ -210,7 +220,8 @@ void LoopVerifier::register_finely(std::span<const Eigen::Vector3f> points_query
 }
 
 Verdict LoopVerifier::judge(const Verification& result, const LoopProposal& proposal, bool is_degenerate) const {
-  if (!(result.overlap >= (result.searched ? config_.min_overlap_searched : config_.min_overlap))) {
+  const double searched = has_clear_sight_ ? config_.min_overlap_clear : config_.min_overlap_searched;
+  if (!(result.overlap >= (result.searched ? searched : config_.min_overlap))) {
     return Verdict::kLittleOverlap;
   }
   if (!(result.inlier_ratio >= config_.min_inlier_ratio)) {
@@ -243,6 +254,8 @@ Verification LoopVerifier::verify(std::span<const Eigen::Vector3f> points_query,
   }
   take_evenly(points_query, search_points_);
   take_evenly(points_query, refine_points_);
+  query_view_.clear();
+  query_view_.add(points_query);
   search(proposal);
   result.searched = searched_;
   refine_modes();
@@ -257,10 +270,10 @@ Verification LoopVerifier::verify(std::span<const Eigen::Vector3f> points_query,
   }
   is_degenerate_ = false;
   register_finely(points_query, result);
-  query_view_.clear();
-  query_view_.add(points_query);
-  result.seen_through = std::max(candidate_view_.seen_through(refine_points_.view(), result.T_candidate_query),
-                                 query_view_.seen_through(candidate_points_.view(), result.T_candidate_query.inverse()));
+  const Contradiction sight = contradiction_of(points_query, result.T_candidate_query);
+  result.seen_through = sight.seen_through;
+  has_clear_sight_ = sight.in_field >= config_.least_in_field && result.seen_through <= config_.clear_sight && result.inlier_ratio >= config_.min_inlier_ratio_clear &&
+                     result.runner_up <= config_.clear_runner_up && result.likelier <= config_.clear_runner_up;
   result.verdict = judge(result, proposal, is_degenerate_);
   return result;
 }

@@ -46,6 +46,7 @@ struct VerificationConfig {
   double most_search_rad = 0.30;
   double search_std_m = 0.5;         // of a point against the larger cells
   std::size_t modes = 5;
+  double sight_scale = 0.01;         // seen through: a mode's score falls by e for each such share
   double modes_apart_m = 1.7;        // before they are refined
   // the final registration
   std::size_t points = 1'024;
@@ -65,6 +66,13 @@ struct VerificationConfig {
   double min_inlier_ratio = 0.6;
   double max_mean_residual_m = 0.12;
   double max_seen_through = 0.03;    // of the points of either cloud in the other's field
+  // Clear sight: next to nothing is seen through and no other pose comes near. Then less overlap is enough after a search: what
+  // does not overlap stood behind something.
+  double min_overlap_clear = 0.5;
+  double min_inlier_ratio_clear = 0.75;
+  double clear_sight = 0.002;        // seen through at most
+  double clear_runner_up = 0.6;
+  std::size_t least_in_field = 100;  // points that could have contradicted
   double ambiguity_score = 0.75;     // of the best mode's, at another pose
   double apart_m = 0.8;
   double apart_rad = 0.09;
@@ -112,7 +120,12 @@ class LoopVerifier {
  private:
   struct Mode {
     geometry::Se3 T_candidate_query;
-    double score = 0.0;  // 0..1: at last the share of points on a plane
+    double score = 0.0;  // 0..1: at last the share of points on a plane, less where the clouds contradict each other
+    double seen_through = 0.0;
+  };
+  struct Contradiction {
+    double seen_through = 0.0;  // the greater share of the two ways to look
+    std::size_t in_field = 0;   // the fewer points
   };
 
   double score_of(std::span<const Eigen::Vector3f> points_query, const geometry::Se3& T_candidate_query, std::size_t level,
@@ -125,6 +138,7 @@ class LoopVerifier {
   registration::NormalEquations register_to_planes(std::span<const Eigen::Vector3f> points_query, std::size_t wanted,
                                                    int associations, geometry::Se3& T_candidate_query);
   void register_finely(std::span<const Eigen::Vector3f> points_query, Verification& result);
+  Contradiction contradiction_of(std::span<const Eigen::Vector3f> points_query, const geometry::Se3& T_candidate_query) const;
   Verdict judge(const Verification& result, const LoopProposal& proposal, bool is_degenerate) const;
 
   VerificationConfig config_;
@@ -142,6 +156,7 @@ class LoopVerifier {
   registration::Association association_;
   bool searched_ = false;
   bool is_degenerate_ = false;
+  bool has_clear_sight_ = false;
 };
 
 }  // namespace slamd::loop

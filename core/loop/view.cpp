@@ -10,7 +10,6 @@ namespace {
 constexpr float kBearing_rad = static_cast<float>(M_PI / 60.0);
 constexpr float kNearest_m = 1.5F;  // nearer, a small error of the place is a large one of the direction
 constexpr int kMostSeen = 5;        // of 9 directions
-constexpr std::size_t kFewPoints = 50;
 
 /// A surface at less of the range than that, and by so much, would have been seen.
 constexpr float kClearlyBefore = 0.8F;
@@ -48,11 +47,10 @@ float View::nearest_around_m(int azimuth, int elevation) const {
   return seen >= kMostSeen ? nearest_m : std::numeric_limits<float>::infinity();
 }
 
-double View::seen_through(std::span<const Eigen::Vector3f> points, const geometry::Se3& T_view_points) const {
+SeenThrough View::seen_through(std::span<const Eigen::Vector3f> points, const geometry::Se3& T_view_points) const {
   const Eigen::Matrix3f R = T_view_points.rotation().cast<float>();
   const Eigen::Vector3f t = T_view_points.translation().cast<float>();
-  std::size_t in_field = 0;
-  std::size_t through = 0;
+  SeenThrough seen;
   int azimuth = 0;
   int elevation = 0;
   for (const Eigen::Vector3f& point : points) {
@@ -63,11 +61,11 @@ double View::seen_through(std::span<const Eigen::Vector3f> points, const geometr
     }
     const float nearest_m = nearest_around_m(azimuth, elevation);
     if (std::isfinite(nearest_m)) {
-      ++in_field;
-      through += range_m < kClearlyBefore * nearest_m - kClearlyBefore_m ? 1 : 0;
+      ++seen.in_field;
+      seen.through += range_m < kClearlyBefore * nearest_m - kClearlyBefore_m ? 1 : 0;
     }
   }
-  return in_field < kFewPoints ? 0.0 : static_cast<double>(through) / static_cast<double>(in_field);
+  return seen;
 }
 
 }  // namespace slamd::loop

@@ -11,6 +11,15 @@
 
 namespace slamd::loop {
 
+/// How many points of another cloud a view has looked through.
+struct SeenThrough {
+  std::size_t in_field = 0;
+  std::size_t through = 0;
+
+  /// Of those in the field; 0 where these are few.
+  double share() const { return in_field < 50 ? 0.0 : static_cast<double>(through) / static_cast<double>(in_field); }
+};
+
 /// What was seen from one place: the nearest range in each direction, 3° by 3°.
 /// A surface that another cloud puts well before all that was seen in its direction and around it cannot be there: it would
 /// have been seen. Two clouds that are laid on each other wrongly, one row of shelves on the next, contradict each other so,
@@ -25,9 +34,8 @@ class View {
   /// Adds points as seen from the place.  Units: m.
   void add(std::span<const Eigen::Vector3f> points_view);
 
-  /// Returns the share of the points that lie where the view has looked through, of those that lie in its field; 0 where
-  /// these are few.
-  double seen_through(std::span<const Eigen::Vector3f> points, const geometry::Se3& T_view_points) const;
+  /// Counts the points that lie where the view has looked through, of those that lie in its field.
+  SeenThrough seen_through(std::span<const Eigen::Vector3f> points, const geometry::Se3& T_view_points) const;
 
  private:
   static constexpr int kAzimuths = 120;

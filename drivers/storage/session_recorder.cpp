@@ -22,12 +22,10 @@ bool is_believed(LoopVerdict verdict) { return verdict == LoopVerdict::kAccepted
 
 void SessionRecorder::note(const mapping::Mapper& mapper, const mapping::MapperUpdate& update) {
   if (update.retired) {
-    writer_.retire(*update.retired);
-    written_.erase(*update.retired);
-    std::erase_if(loops_, [&](const auto& entry) { return entry.second.a == *update.retired || entry.second.b == *update.retired; });
+    note_retired(*update.retired);
   }
   if (update.keyframe_added) {
-    note_newest_keyframe(mapper);
+    note_keyframe(mapper, mapper.keyframes().size() - 1);
   }
   note_loops(update);
   if (update.corrected) {
@@ -37,8 +35,32 @@ void SessionRecorder::note(const mapping::Mapper& mapper, const mapping::MapperU
   }
 }
 
-void SessionRecorder::note_newest_keyframe(const mapping::Mapper& mapper) {
-  const std::size_t i = mapper.keyframes().size() - 1;
+void SessionRecorder::catch_up(const mapping::Mapper& mapper) {
+  std::erase_if(retired_, [&](graph::KeyframeId id) { return writer_.retire(id); });
+  for (std::size_t i = 0; i < mapper.keyframes().size(); ++i) {
+    if (!written_.contains(mapper.keyframes()[i].id)) {
+      note_keyframe(mapper, i);
+    }
+  }
+  const graph::PoseGraph& graph = mapper.graph();
+  for (std::size_t k = 0; k < graph.loops(); ++k) {
+    const graph::Loop& loop = graph.loop(k);
+    loops_.try_emplace(loop.id, KnownLoop{{loop.id, loop.a, loop.b, loop.factor, loop.enabled}, false});
+  }
+  for (auto& [id, known] : loops_) {
+    known.is_written = known.is_written || writer_.write(known.loop);
+  }
+  note_poses(mapper, 0);
+}
+
+void SessionRecorder::note_retired(graph::KeyframeId id) {
+  if (written_.erase(id) != 0 && !writer_.retire(id)) {
+    retired_.push_back(id);
+  }
+  std::erase_if(loops_, [&](const auto& entry) { return entry.second.loop.a == id || entry.second.loop.b == id; });
+}
+
+void SessionRecorder::note_keyframe(const mapping::Mapper& mapper, std::size_t i) {
   const mapping::Keyframe& keyframe = mapper.keyframes()[i];
   const graph::Node& node = mapper.graph().node(i);
   SessionKeyframe record;
@@ -54,8 +76,9 @@ void SessionRecorder::note_newest_keyframe(const mapping::Mapper& mapper) {
   BoundedVector<Eigen::Vector3f> cloud(mapper.keyframes().cloud_points(i));
   mapper.keyframes().append_cloud(i, geometry::Se3(), cloud);
   record.cloud_level.assign(cloud.begin(), cloud.end());
-  writer_.write(record);
-  written_[keyframe.id] = keyframe.T_odom_base;  // what a reader takes where no pose came
+  if (writer_.write(record)) {
+    written_[keyframe.id] = keyframe.T_odom_base;  // what a reader takes where no pose came
+  }
 }
 
 void SessionRecorder::note_loops(const mapping::MapperUpdate& update) {
@@ -64,15 +87,14 @@ void SessionRecorder::note_loops(const mapping::MapperUpdate& update) {
       const auto& found = trial.verification;
       const graph::BetweenFactor factor{found.T_candidate_query, found.covariance.inverse()};
       const SessionLoop loop{trial.loop, trial.candidate, trial.query, factor, false};
-      loops_[trial.loop] = loop;
-      writer_.write(loop);
+      loops_[trial.loop] = {loop, writer_.write(loop)};
     }
   }
   for (const graph::LoopEvent& event : update.loops) {
     const auto known = loops_.find(event.id);
-    if (known != loops_.end() && known->second.accepted != is_believed(event.verdict)) {
-      known->second.accepted = !known->second.accepted;
-      writer_.write(known->second);
+    if (known != loops_.end() && known->second.loop.accepted != is_believed(event.verdict)) {
+      known->second.loop.accepted = !known->second.loop.accepted;
+      known->second.is_written = writer_.write(known->second.loop);
     }
   }
 }
@@ -80,14 +102,16 @@ void SessionRecorder::note_loops(const mapping::MapperUpdate& update) {
 void SessionRecorder::note_poses(const mapping::Mapper& mapper, std::size_t from) {
   moved_.clear();
   for (std::size_t i = from; i < mapper.keyframes().size(); ++i) {
-    const graph::KeyframeId id = mapper.keyframes()[i].id;
-    const geometry::Se3& T_map_base = mapper.T_map_base(i);
-    if (has_moved(T_map_base, written_[id])) {
-      written_[id] = T_map_base;
-      moved_.push_back({id, T_map_base});
+    const auto known = written_.find(mapper.keyframes()[i].id);
+    if (known != written_.end() && has_moved(mapper.T_map_base(i), known->second)) {
+      moved_.push_back({known->first, mapper.T_map_base(i)});
     }
   }
-  writer_.write(moved_);
+  if (writer_.write(moved_)) {
+    for (const SessionPose& pose : moved_) {
+      written_[pose.id] = pose.T_map_base;
+    }
+  }
 }
 
 }  // namespace slamd::storage

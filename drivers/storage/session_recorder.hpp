@@ -19,19 +19,30 @@ class SessionRecorder {
   /// Writes what an update of the mapper has brought.
   void note(const mapping::Mapper& mapper, const mapping::MapperUpdate& update);
 
+  /// Writes what the session still lacks of the map: after a fault, or begun late. What is still refused is lacking then, too.
+  void catch_up(const mapping::Mapper& mapper);
+
   /// Says that the session is over.
   void close() { writer_.close(); }
 
   SessionWriter& writer() { return writer_; }
+  const SessionWriter& writer() const { return writer_; }
 
  private:
-  void note_newest_keyframe(const mapping::Mapper& mapper);
+  struct KnownLoop {
+    SessionLoop loop;
+    bool is_written = false;  // as it is
+  };
+
+  void note_keyframe(const mapping::Mapper& mapper, std::size_t i);
+  void note_retired(graph::KeyframeId id);
   void note_loops(const mapping::MapperUpdate& update);
   void note_poses(const mapping::Mapper& mapper, std::size_t from);
 
   SessionWriter writer_;
   std::map<graph::KeyframeId, geometry::Se3> written_;  // T_map_base, as a reader knows it
-  std::map<graph::LoopId, SessionLoop> loops_;
+  std::vector<graph::KeyframeId> retired_;              // of which a reader does not know it yet
+  std::map<graph::LoopId, KnownLoop> loops_;
   std::vector<SessionPose> moved_;  // scratch
 };
 

@@ -57,12 +57,14 @@ SessionWriter::SessionWriter(const fs::path& folder, const SessionBegin& begin, 
 
 SessionWriter::~SessionWriter() { close_segment(); }
 
-void SessionWriter::write(std::span<const SessionPose> poses) {
+bool SessionWriter::write(std::span<const SessionPose> poses) {
+  bool written = true;
   while (!poses.empty()) {
     const std::size_t count = std::min(poses.size(), kPosesARecord);
-    append(SessionRecord::kPoses, payload_of(poses.first(count)));
+    written = append(SessionRecord::kPoses, payload_of(poses.first(count))) && written;
     poses = poses.subspan(count);
   }
+  return written;
 }
 
 void SessionWriter::sync() {
@@ -86,7 +88,7 @@ bool SessionWriter::retry() {
   return fault_.empty();
 }
 
-void SessionWriter::append(SessionRecord kind, const RecordBytes& payload) {
+bool SessionWriter::append(SessionRecord kind, const RecordBytes& payload) {
   bool written = false;
   if (fd_ >= 0 && fault_.empty() && payload.size() <= RecordFrame::kMaxPayload) {
     const std::size_t bytes = RecordFrame{kind, 0, payload}.bytes();
@@ -100,6 +102,7 @@ void SessionWriter::append(SessionRecord kind, const RecordBytes& payload) {
   }
   ++next_number_;  // of what is dropped, too: a reader will miss it
   dropped_records_ += written ? 0 : 1;
+  return written;
 }
 
 bool SessionWriter::append_bytes(const RecordBytes& bytes) {

@@ -35,10 +35,11 @@ class SessionWriter {
   SessionWriter(const SessionWriter&) = delete;
   SessionWriter& operator=(const SessionWriter&) = delete;
 
-  void write(const SessionKeyframe& keyframe) { append(SessionRecord::kKeyframe, payload_of(keyframe)); }
-  void write(const SessionLoop& loop) { append(SessionRecord::kLoop, payload_of(loop)); }
-  void write(std::span<const SessionPose> poses);
-  void retire(graph::KeyframeId id) { append(SessionRecord::kRetired, payload_of_retired(id)); }
+  // Each returns whether it was written, and not dropped.
+  bool write(const SessionKeyframe& keyframe) { return append(SessionRecord::kKeyframe, payload_of(keyframe)); }
+  bool write(const SessionLoop& loop) { return append(SessionRecord::kLoop, payload_of(loop)); }
+  bool write(std::span<const SessionPose> poses);
+  bool retire(graph::KeyframeId id) { return append(SessionRecord::kRetired, payload_of_retired(id)); }
 
   /// Brings everything written to the disk: to be called once a second.
   void sync();
@@ -62,7 +63,7 @@ class SessionWriter {
     std::uint64_t bytes = 0;
   };
 
-  void append(SessionRecord kind, const RecordBytes& payload);
+  bool append(SessionRecord kind, const RecordBytes& payload);
   bool append_bytes(const RecordBytes& bytes);
   bool open_segment();
   void close_segment();

@@ -23,6 +23,8 @@ refuses "a missing file: exit code 1" 1 "^slamd-evaluate: $scratch/none\.tum: ca
 refuses "a folder in a file's place: exit code 1" 1 "^slamd-evaluate: $scratch: " "$evaluate" "$scratch/truth.tum" "$scratch"
 refuses "trajectories of different days: exit code 1" 1 "have no time in common$" "$evaluate" "$scratch/truth.tum" "$scratch/later.tum"
 refuses "KITTI rows without stamps: exit code 1" 1 "give them with --times FILE$" "$evaluate" "$scratch/rows.txt" "$scratch/estimate.tum"
+refuses "loops without a session: exit code 2" 2 "SESSION is required" "$evaluate" loops "$scratch/truth.tum"
+refuses "loops of what is no session: exit code 1" 1 "holds no session" "$evaluate" loops "$scratch/truth.tum" "$scratch"
 echo "1.0 2.0 three" >"$scratch/words.tum"
 refuses "words in a trajectory: exit code 1" 1 "^slamd-evaluate: $scratch/words\.tum: line 1: " "$evaluate" "$scratch/truth.tum" "$scratch/words.tum"
 

@@ -3,14 +3,15 @@
 
 #include "tools/cli/cli.hpp"
 #include "tools/evaluate/evaluate.hpp"
+#include "tools/evaluate/loops.hpp"
 
 namespace {
 
 using namespace slamd;
 
 void declare(const cli::Command& app, evaluate::Options& options) {
-  app.option("REFERENCE", options.reference, "TUM file; or KITTI rows, with --times").required();
-  app.option("ESTIMATE", options.estimate, "TUM file; or KITTI rows, with --times").required();
+  app.option("REFERENCE", options.reference, "TUM file; or KITTI rows, with --times");
+  app.option("ESTIMATE", options.estimate, "TUM file; or KITTI rows, with --times");
   app.option("--times", options.times, "Stamps of KITTI rows, s, one a line");
   app.option("--motions", options.motions, "motions.csv of the estimate: also tell whether its covariances can be believed");
   app.flag("--json", options.json, "Print JSON");
@@ -24,13 +25,41 @@ void declare(const cli::Command& app, evaluate::Options& options) {
   app.flag("--pairs-from-reference", options.rule.from_reference, "Choose RPE's pairs along the reference");
 }
 
+cli::Command declare_loops(const cli::Command& app, evaluate::LoopOptions& options) {
+  const cli::Command command = app.command("loops", "Says how many of the true revisits a map has closed, and whether a loop is wrong");
+  command.option("TRUTH", options.truth, "TUM file: base in world").required();
+  command.option("SESSION", options.session, "Folder of a session: DIR/session of slamd-replay, or of the daemon").required();
+  command.option("--near", options.near_m, "So near a place was passed before, m: 2 indoors").positive().shows_default();
+  command.option("--view", options.view_deg, "Between the headings, at most: 40 for an Avia, degrees").within(1.0, 180.0).shows_default();
+  command.option("--within", options.within_m, "A loop closes what lies so far before or behind it on the way, m").positive().shows_default();
+  command.flag("--json", options.json, "Print JSON");
+  return command;
+}
+
+void need(const std::string& given, const char* name) {
+  if (given.empty()) {
+    throw cli::UsageError(std::string(name) + " is required");
+  }
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   evaluate::Options options;
-  return cli::run_program(argc, argv, "slamd-evaluate", "Compares an estimated trajectory with a reference.",
-                          [&](const cli::Command& app) { declare(app, options); },
+  evaluate::LoopOptions loop_options;
+  cli::Command loops;
+  return cli::run_program(argc, argv, "slamd-evaluate", "Compares an estimated trajectory with a reference, or the loops of a map with the truth.",
+                          [&](const cli::Command& app) {
+                            declare(app, options);
+                            loops = declare_loops(app, loop_options);
+                          },
                           [&] {
+                            if (loops.is_given()) {
+                              std::fputs(evaluate::evaluate_loops(loop_options).c_str(), stdout);
+                              return 0;
+                            }
+                            need(options.reference, "REFERENCE");
+                            need(options.estimate, "ESTIMATE");
                             std::fputs(evaluate::evaluate(options).c_str(), stdout);
                             return 0;
                           });

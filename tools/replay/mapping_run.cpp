@@ -104,6 +104,11 @@ MappingSummary MappingRun::finish() {
   summary.corrections = mapper.correction_id();
   summary.path = mapper.path();
   summary.ms = std::move(ms_);
+  for (const Trial& trial : trials_) {
+    if (trial.end == graph::LoopVerdict::kAccepted || trial.end == graph::LoopVerdict::kTakenBack) {
+      summary.claimed.push_back({trial.trial.candidate_stamp, trial.trial.query_stamp, trial.trial.verification.T_candidate_query});
+    }
+  }
   const graph::PoseGraph& graph = mapper.graph();
   for (std::size_t k = 0; k < graph.loops(); ++k) {
     const graph::Loop& loop = graph.loop(k);

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/evaluation/loops.hpp"
 #include "core/mapping/corrections.hpp"
 #include "daemon/stages/mapping_stage.hpp"
 #include "drivers/storage/session_recorder.hpp"
@@ -22,6 +23,7 @@ struct MappingSummary {
   std::uint32_t corrections = 0;
   std::vector<mapping::CorrectedKeyframe> path;
   std::vector<std::pair<Eigen::Vector3f, Eigen::Vector3f>> edges;  // loops that the graph believes, in map
+  std::vector<evaluation::ClaimedLoop> claimed;                    // those that it has believed to the end, retired keyframes' too
   std::vector<double> ms;  // CPU time of each scan
 };
 

@@ -1,5 +1,6 @@
 #include "tools/replay/session.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <fstream>
@@ -11,6 +12,7 @@
 #include "core/base/units.hpp"
 #include "daemon/configuration/key_table.hpp"
 #include "drivers/recording/tum.hpp"
+#include "tools/evaluate/loops.hpp"
 #include "tools/evaluate/motions.hpp"
 #include "tools/report/accuracy.hpp"
 #include "tools/report/report.hpp"
@@ -115,6 +117,18 @@ std::optional<report::FilterRun> Session::map_run() const {
   return run;
 }
 
+/// How well the loops are, where the truth is known: near is 2 m where most of the drive was indoors.
+std::optional<evaluation::LoopQuality> Session::loop_quality() const {
+  if (!mapping_ || truth_.empty()) {
+    return std::nullopt;
+  }
+  const auto indoor = std::count_if(run_.scans.begin(), run_.scans.end(), [](const ScanRecord& record) { return record.odometry.indoor; });
+  evaluation::RevisitRule rule;
+  rule.near_m = 2 * static_cast<std::size_t>(indoor) > run_.scans.size() ? 2.0 : rule.near_m;
+  rule.view_rad = recording_.configuration.mapping.view_deg * kDegree;
+  return evaluation::loop_quality_of(truth_, mapping_->claimed, rule);
+}
+
 void Session::run(const std::function<void(double)>& progress) {
   run_with([&](const Sinks& sinks) { return replay(recording_, sinks); }, progress);
 }
@@ -157,6 +171,9 @@ std::string Session::json() const {
     if (const auto found = report::accuracy_of(*corrected, truth_)) {
       accuracy["map"] = accuracy_json(*found);
     }
+  }
+  if (const auto loops = loop_quality()) {
+    accuracy["loops"] = ordered_json::parse(evaluate::json_of(*loops));
   }
   return report_json(recording_, run_, mapping_ ? &*mapping_ : nullptr, accuracy.is_null() ? std::string() : accuracy.dump());
 }
@@ -218,6 +235,9 @@ std::string Session::summary() const {
       text += number(", APE %.4f m", found->ape_m.rmse) + number(", end drift %.4f m", found->end_drift_m);
     }
     text += "\n";
+  }
+  if (const auto loops = loop_quality(); loops && loops->revisits > 0) {
+    text += "  loops: " + number("%.1f %% of the revisits closed", 100.0 * loops->recall()) + ", " + std::to_string(loops->wrong) + " wrong\n";
   }
   for (const std::string& remark : run_.remarks) {
     text += "  " + remark + "\n";

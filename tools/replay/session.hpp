@@ -40,6 +40,7 @@ class Session {
   std::string filter_name() const;
   bool is_corrected() const { return mapping_ && mapping_->corrections > 0; }
   std::optional<report::FilterRun> map_run() const;
+  std::optional<evaluation::LoopQuality> loop_quality() const;
   void run_with(const std::function<Run(const Sinks&)>& replay, const std::function<void(double)>& progress);
 
   Recording recording_;

@@ -42,6 +42,17 @@ struct LoopVerifierTest : testing::Test {
     return proposal;
   }
 
+  /// The query with points that it alone has: as seen from the candidate, at a share of the range of what stands there.
+  std::vector<Eigen::Vector3f> query_with_points_at(double share) const {
+    std::vector<Eigen::Vector3f> points = query;
+    for (std::size_t i = 0; i < query.size(); ++i) {
+      if (i % 10 < 7) {
+        points.push_back((T_true.inverse() * (share * (T_true * query[i].cast<double>()))).cast<float>());
+      }
+    }
+    return points;
+  }
+
   world::Room room;
   std::mt19937_64 engine{7};
   Se3 T_odom_candidate = pose_at(0.0, 1.0, 1.0, 0.4);
@@ -59,6 +70,19 @@ TEST_F(LoopVerifierTest, FindsThePlaceFromAnUncertainGuess) {
   EXPECT_LT(error.head<3>().norm(), 0.03);
   EXPECT_LT(error.tail<3>().norm(), 0.005);
   EXPECT_LT(error.dot(found.covariance.inverse() * error), 16.8) << "χ²₆(0.99)";
+}
+
+TEST_F(LoopVerifierTest, BelievesLessOverlapAfterASearchOnlyWhereTheRestWasOccluded) {
+  const LoopProposal uncertain = proposal_off_by(pose_at(0.4, -0.3, 0.0, 0.02), 0.5, 0.02);
+
+  const Verification occluded = sut.verify(query_with_points_at(1.6), uncertain);
+  const Verification contradicted = sut.verify(query_with_points_at(0.5), uncertain);
+
+  EXPECT_TRUE(occluded.searched);
+  EXPECT_LT(occluded.overlap, VerificationConfig{}.min_overlap_searched);
+  EXPECT_EQ(occluded.verdict, Verdict::kVerified) << name_of(occluded.verdict) << ", runner-up " << occluded.runner_up;
+  EXPECT_NE(contradicted.verdict, Verdict::kVerified);
+  EXPECT_GT(contradicted.seen_through, 0.1);
 }
 
 TEST_F(LoopVerifierTest, RefusesAnotherPlace) {
@@ -96,10 +120,10 @@ TEST_F(LoopVerifierTest, RefusesAPoseWhereOneCloudHasLookedThroughTheOther) {
   View view;
   view.add(far_wall);
 
-  EXPECT_GT(view.seen_through(near_wall, Se3()), 0.9);
-  EXPECT_EQ(view.seen_through(far_wall, Se3()), 0.0);
-  EXPECT_EQ(view.seen_through(near_wall, pose_at(6.0, 0.0, 0.0, 0.0)), 0.0);
-  EXPECT_EQ(view.seen_through(far_wall, pose_at(20.0, 0.0, 0.0, 0.0)), 0.0) << "behind what was seen anything may be";
+  EXPECT_GT(view.seen_through(near_wall, Se3()).share(), 0.9);
+  EXPECT_EQ(view.seen_through(far_wall, Se3()).share(), 0.0);
+  EXPECT_EQ(view.seen_through(near_wall, pose_at(6.0, 0.0, 0.0, 0.0)).share(), 0.0);
+  EXPECT_EQ(view.seen_through(far_wall, pose_at(20.0, 0.0, 0.0, 0.0)).share(), 0.0) << "behind what was seen anything may be";
 }
 
 /// A corridor of two walls and a floor, a forest of equal shelves between them if wanted.

@@ -1,9 +1,7 @@
 #include "drivers/storage/ply_writer.hpp"
 
 #include <gtest/gtest.h>
-#include <sys/resource.h>
 
-#include <csignal>
 #include <fstream>
 #include <iterator>
 #include <limits>
@@ -12,6 +10,7 @@
 
 #include "core/base/bytes.hpp"
 #include "drivers/storage/ply_reader.hpp"
+#include "tests/drivers/storage/full_disk.hpp"
 #include "tests/drivers/storage/read_back.hpp"
 
 namespace slamd::storage {
@@ -144,28 +143,6 @@ TEST_F(PlyWriterTest, TellsWhenTheDiskIsFullFromTheBeginning) {
 
   EXPECT_EQ(message_of([&] { sut.close(); }), "/dev/full: could not be written whole: No space left on device");
 }
-
-/// Lets no file of this process grow beyond some bytes, as a disk that is filling up does.
-class FullDisk {
- public:
-  explicit FullDisk(rlim_t bytes) : signal_(std::signal(SIGXFSZ, SIG_IGN)) {
-    getrlimit(RLIMIT_FSIZE, &before_);
-    const rlimit limit{bytes, before_.rlim_max};
-    setrlimit(RLIMIT_FSIZE, &limit);
-  }
-
-  ~FullDisk() {
-    setrlimit(RLIMIT_FSIZE, &before_);
-    std::signal(SIGXFSZ, signal_);
-  }
-
-  FullDisk(const FullDisk&) = delete;
-  FullDisk& operator=(const FullDisk&) = delete;
-
- private:
-  rlimit before_{};
-  void (*signal_)(int);
-};
 
 // The header can be written over even then; the points behind it are not all there.
 TEST_F(PlyWriterTest, TellsWhenTheDiskBecomesFullAmongThePoints) {

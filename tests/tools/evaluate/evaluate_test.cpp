@@ -10,7 +10,9 @@
 
 #include "core/geometry/so3.hpp"
 #include "drivers/recording/tum.hpp"
+#include "drivers/storage/session_writer.hpp"
 #include "tests/scratch/scratch_folder.hpp"
+#include "tools/evaluate/loops.hpp"
 
 namespace slamd::evaluate {
 namespace {
@@ -231,6 +233,32 @@ TEST_F(Evaluate, TellsWhetherCovariancesCanBeBelieved) {
   options.reference = folder_ / "reference.tum";
   options.estimate = folder_ / "estimate.tum";
   EXPECT_NE(evaluate(options).find("within 95 %"), std::string::npos);
+}
+
+TEST_F(Evaluate, JudgesTheLoopsOfASessionByTheTruth) {
+  const Trajectory truth = eight();  // it ends where it began
+  storage::SessionWriter writer(folder_ / "session", {}, {});
+  for (const std::size_t i : {0U, 300U, 600U}) {
+    storage::SessionKeyframe keyframe;
+    keyframe.id = static_cast<graph::KeyframeId>(i);
+    keyframe.stamp = truth[i].stamp;
+    writer.write(keyframe);
+  }
+  Se3 wrong = truth[0].T.inverse() * truth[300].T;
+  wrong.translation().x() += 2.0;
+  const geometry::Matrix6d information = geometry::Matrix6d::Identity();
+  writer.write(storage::SessionLoop{1, 0, 600, {truth[0].T.inverse() * truth[600].T, information}, true});
+  writer.write(storage::SessionLoop{2, 0, 300, {wrong, information}, true});
+  writer.write(storage::SessionLoop{3, 0, 300, {Se3(), information}, false});  // the graph does not believe it
+  writer.close();
+
+  const json sut = json::parse(evaluate_loops({.truth = written("truth.tum", truth), .session = folder_ / "session", .json = true}));
+
+  EXPECT_EQ(sut["loops"], 2);
+  EXPECT_EQ(sut["wrong"], 1);
+  EXPECT_NEAR(sut["worst_m"].get<double>(), 2.0, 1e-6);
+  EXPECT_NEAR(sut["recall"].get<double>(), 0.36, 0.1) << "the end, not the crossing in the middle";
+  EXPECT_NE(evaluate_loops({.truth = folder_ / "truth.tum", .session = folder_ / "session"}).find("1 wrong"), std::string::npos);
 }
 
 TEST_F(Evaluate, SaysInOneLineWhatIsWrongWithAFile) {
