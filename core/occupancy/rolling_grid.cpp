@@ -4,16 +4,14 @@
 #include <bit>
 #include <cmath>
 
-#include "core/occupancy/ray_walk.hpp"
-
 namespace slamd::occupancy {
 
 namespace {
 
 /// A ray that passes a hit's place within this distance goes through what was hit. Units: cells, squared.
 constexpr float kThrough2 = 0.5F * 0.5F;
-/// A ray that ends within so many steps only grazes.
-constexpr std::int32_t kEndSteps = 3;
+/// In the last so many cells before its end a ray only grazes.
+constexpr std::int32_t kEndSteps = 2;
 constexpr float kPlaces = 32.0F;  // an axis, of a hit in its cell
 
 std::int32_t blocks_for(double length_m, double cell_m) {
@@ -54,6 +52,8 @@ RollingGrid::RollingGrid(const GridConfig& config)
       touched_(states_.size()) {
   for (std::size_t axis = 0; axis < 3; ++axis) {
     cells_[axis] = kBlockSide * states_.window().size[axis];
+    slots_[axis] = BoundedVector<std::uint32_t>(static_cast<std::size_t>(cells_[axis]));
+    slots_[axis].resize(slots_[axis].capacity());
   }
   submaps_.resize(states_.size());
   restart(Eigen::Vector3d::Zero());
@@ -84,10 +84,17 @@ void RollingGrid::follow(const Eigen::Vector3d& p_odom) {
     digest_ -= states_.block(slot).digest(old);
     enter(static_cast<std::uint32_t>(slot));
   });
-  const std::size_t slot = states_.window().slot_of(first);
+  // A cell's slot is the sum of what each of its coordinates gives.
+  const BlockIndex corner = states_.window().block_at(0);  // has slot 0, and turns each axis
   const auto& size = states_.window().size;
-  const auto i = static_cast<std::int32_t>(slot);
-  turn_ = {i % size[0], i / size[0] % size[1], i / size[0] / size[1]};
+  const std::array<std::int32_t, 3> turn{corner.x - first.x, corner.y - first.y, corner.z - first.z};
+  const std::array<std::int32_t, 3> stride{1, size[0], size[0] * size[1]};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    for (std::int32_t i = 0; i < cells_[axis]; ++i) {
+      const std::int32_t along = (i / kBlockSide - turn[axis] + size[axis]) % size[axis];
+      slots_[axis][static_cast<std::size_t>(i)] = static_cast<std::uint32_t>(stride[axis] * along);
+    }
+  }
 }
 
 void RollingGrid::enter(std::uint32_t slot) {
@@ -141,13 +148,6 @@ Eigen::Vector3f RollingGrid::clipped(const Eigen::Vector3f& from, const Eigen::V
   return end;
 }
 
-std::uint32_t RollingGrid::slot_of_local(std::int32_t bx, std::int32_t by, std::int32_t bz) const {
-  const auto& size = states_.window().size;
-  const auto turned = [](std::int32_t i, std::int32_t turn, std::int32_t n) { return i + turn < n ? i + turn : i + turn - n; };
-  return static_cast<std::uint32_t>(turned(bx, turn_[0], size[0]) +
-                                    size[0] * (turned(by, turn_[1], size[1]) + size[1] * turned(bz, turn_[2], size[2])));
-}
-
 RollingGrid::Block& RollingGrid::touch(std::uint32_t slot) {
   Block& block = blocks_[slot];
   if (block.scan != scan_) {
@@ -171,37 +171,43 @@ void RollingGrid::mark_hits(const CarvingScan& scan) {
     const auto x = static_cast<std::int32_t>(corner.x());
     const auto y = static_cast<std::int32_t>(corner.y());
     const auto z = static_cast<std::int32_t>(corner.z());
-    Block& block = touch(slot_of_local(x >> 3, y >> 3, z >> 3));
+    Block& block = touch(slots_[0][static_cast<std::size_t>(x)] + slots_[1][static_cast<std::size_t>(y)] + slots_[2][static_cast<std::size_t>(z)]);
     block.hits[static_cast<std::size_t>(z & 7)] |= std::uint64_t{1} << ((x & 7) + 8 * (y & 7));
     block.hit_place[static_cast<std::size_t>((x & 7) + 8 * (y & 7) + 64 * (z & 7))] = place_in(end, corner);
   }
 }
 
 void RollingGrid::carve(const Eigen::Vector3f& from, const Eigen::Vector3f& to, bool ends_inside) {
-  const Eigen::Vector3f direction = (to - from).normalized();
-  std::array<std::int32_t, 3> of{-1, -1, -1};  // the block at hand
+  const Eigen::Vector3f way = to - from;
+  const float reach = way.cwiseAbs().maxCoeff();
+  const Eigen::Vector3f step = way / std::max(reach, 1e-6F);  // one cell along the longest axis
+  const Eigen::Vector3f direction = way.normalized();
+  const auto steps = static_cast<std::int32_t>(reach);
+  const std::int32_t last_through = ends_inside ? steps - kEndSteps : steps;
+  std::uint32_t slot_at_hand = ~std::uint32_t{0};
   Block* block = nullptr;
-  walk_ray(from, to, [&](const std::array<std::int32_t, 3>& cell, std::int32_t left) {
-    if (left == 0 && ends_inside) {
-      return false;  // what was hit
+  for (std::int32_t k = 0; k <= steps; ++k) {
+    const auto at = [&](int axis) { return std::min(static_cast<std::int32_t>(from[axis] + static_cast<float>(k) * step[axis]), cells_[static_cast<std::size_t>(axis)] - 1); };
+    const std::int32_t x = at(0);
+    const std::int32_t y = at(1);
+    const std::int32_t z = at(2);
+    const std::uint32_t slot = slots_[0][static_cast<std::size_t>(x)] + slots_[1][static_cast<std::size_t>(y)] + slots_[2][static_cast<std::size_t>(z)];
+    if (slot != slot_at_hand) {
+      slot_at_hand = slot;
+      block = &touch(slot);
     }
-    const std::array<std::int32_t, 3> now{cell[0] >> 3, cell[1] >> 3, cell[2] >> 3};
-    if (now != of) {
-      of = now;
-      block = &touch(slot_of_local(now[0], now[1], now[2]));
-    }
-    const auto word = static_cast<std::size_t>(cell[2] & 7);
-    const std::uint64_t bit = std::uint64_t{1} << ((cell[0] & 7) + 8 * (cell[1] & 7));
+    const auto word = static_cast<std::size_t>(z & 7);
+    const int place = (x & 7) + 8 * (y & 7);
+    const std::uint64_t bit = std::uint64_t{1} << place;
     if ((block->solid[word] & bit) == 0) {
       block->misses[word] |= bit;
-      return true;
+      continue;
     }
-    const Eigen::Vector3f corner(static_cast<float>(cell[0]), static_cast<float>(cell[1]), static_cast<float>(cell[2]));
-    const Eigen::Vector3f place = point_of(block->hit_place[static_cast<std::size_t>((cell[0] & 7) + 8 * (cell[1] & 7) + 64 * (cell[2] & 7))], corner);
-    const bool through = (place - from).cross(direction).squaredNorm() <= kThrough2 && (left > kEndSteps || !ends_inside);
+    const Eigen::Vector3f corner(static_cast<float>(x), static_cast<float>(y), static_cast<float>(z));
+    const Eigen::Vector3f hit = point_of(block->hit_place[64 * word + static_cast<std::size_t>(place)], corner);
+    const bool through = k <= last_through && (hit - from).cross(direction).squaredNorm() <= kThrough2;
     (through ? block->misses : block->grazes)[word] |= bit;
-    return true;
-  });
+  }
 }
 
 void RollingGrid::carve_body(const geometry::Se3& T_odom_base) {

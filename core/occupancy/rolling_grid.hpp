@@ -55,6 +55,7 @@ struct CarvingScan {
 
 /// Occupied, free and unknown cells in a box around the robot: rays carve, their ends fill.
 ///
+/// A ray carves one cell in each layer across its longest axis, those at whole cells from its origin: corners that it only cuts stay.
 /// Within a scan a cell that was hit is not carved by the scan's other rays, whatever their order. A cell holds the place of
 /// its last hit: a ray that passes by farther than half a cell, or ends within two cells, only grazes what is there (ground
 /// at low angles, edges) and weighs an eighth. Each cell is hit or missed once a scan. Cells inside the robot's body are free.
@@ -106,7 +107,6 @@ class RollingGrid {
 
   void follow(const Eigen::Vector3d& p_odom);
   void enter(std::uint32_t slot);
-  std::uint32_t slot_of_local(std::int32_t bx, std::int32_t by, std::int32_t bz) const;
   Block& touch(std::uint32_t slot);
   void mark_hits(const CarvingScan& scan);
   void carve(const Eigen::Vector3f& from, const Eigen::Vector3f& to, bool ends_inside);
@@ -125,7 +125,7 @@ class RollingGrid {
   BoundedVector<std::int32_t> submaps_;  // per slot
   BoundedVector<Block> blocks_;          // per slot
   std::array<std::int32_t, 3> cells_{};  // of the window, along each axis
-  std::array<std::int32_t, 3> turn_{};   // slot, along each axis, of the window's first block
+  std::array<BoundedVector<std::uint32_t>, 3> slots_;  // what each of a cell's coordinates, from the window's first, adds to its slot
   std::uint32_t scan_ = 0;
   // scratch, sized once
   BoundedVector<Eigen::Vector3f> ends_;  // of the scan's rays, in cells from the window's first corner

@@ -11,7 +11,6 @@
 #include <tuple>
 #include <vector>
 
-#include "core/occupancy/ray_walk.hpp"
 #include "tests/support/allocation_guard.hpp"
 
 namespace slamd::occupancy {
@@ -163,16 +162,16 @@ class DenseModel {
     }
     for (const Eigen::Vector3f& p : points) {
       const Eigen::Vector3f end = local(p.cast<double>());
-      walk_ray(from, end, [&](const std::array<std::int32_t, 3>& c, std::int32_t left) {
-        if (left > 0) {
-          const Cell& cell = cells_[key(c)];
-          const Eigen::Vector3f place = Eigen::Vector3f(static_cast<float>(c[0]), static_cast<float>(c[1]), static_cast<float>(c[2])) +
-                                        (cell.place.array() + 0.5F).matrix() / 32.0F;
-          const bool through = cell.evidence <= 0 || ((place - from).cross((end - from).normalized()).norm() <= 0.5F && left > 3);
-          missed[key(c)] = missed[key(c)] || through;
-        }
-        return true;
-      });
+      const float reach = (end - from).cwiseAbs().maxCoeff();
+      const Eigen::Vector3f step = (end - from) / reach;
+      for (int k = 0; k <= static_cast<int>(reach); ++k) {
+        const Eigen::Vector3f low = (from + static_cast<float>(k) * step).array().floor();
+        const std::array<std::int32_t, 3> c{static_cast<int>(low.x()), static_cast<int>(low.y()), static_cast<int>(low.z())};
+        const Cell& cell = cells_[key(c)];
+        const Eigen::Vector3f place = low + (cell.place.array() + 0.5F).matrix() / 32.0F;
+        const bool through = cell.evidence <= 0 || ((place - from).cross((end - from).normalized()).norm() <= 0.5F && k <= static_cast<int>(reach) - 2);
+        missed[key(c)] = missed[key(c)] || through;
+      }
     }
     for (const auto& [k, through] : missed) {
       if (!hits.contains(k)) {
