@@ -39,6 +39,9 @@ void MappingLoop::take(MapScan& scan) {
     }
   }
   correct();
+  if (const auto submaps = mapper.submaps().view(); !submaps.empty()) {
+    rings_.newest_submap.store(stages::NewestSubmap::of(submaps.back().id, submaps.back().anchor_odom, stage_.epoch()));
+  }
   submaps_changed_ = submaps_changed_ || update.corrected;
   MappingCounts counts;
   counts.scans = shown_.load().value_or(MappingCounts{}).scans + 1;
