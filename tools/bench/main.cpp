@@ -10,6 +10,7 @@
 #include "tools/bench/graph_table.hpp"
 #include "tools/bench/neighbour_peers.hpp"
 #include "tools/bench/neighbour_speed.hpp"
+#include "tools/bench/occupancy_speed.hpp"
 #include "tools/bench/own_network.hpp"
 #include "tools/bench/pose_latency.hpp"
 #include "tools/bench/ray_speed.hpp"
@@ -66,6 +67,19 @@ int run_rays(const Options& options) {
     const bench::RaySpeed speed = bench::measure_ray_speed(world, options.seed, 1.0);
     std::printf("%-10s %14.2f %15.2f\n", world.c_str(), speed.caster, speed.packets);
     std::fflush(stdout);
+  }
+  return 0;
+}
+
+int run_occupancy(const Options& options) {
+  std::printf("%-10s %6s %7s %7s %11s %9s %9s %8s %9s\n", "world", "cell m", "blocks", "points", "insert ms", "p99", "tell ms", "changed", "kB/s");
+  for (const std::string& world : simulate::world_names()) {
+    for (const double cell_m : {0.2, 0.1}) {
+      const bench::OccupancySpeed speed = bench::measure_occupancy(world, options.seed, options.scans, cell_m);
+      std::printf("%-10s %6.1f %7zu %7.0f %11.2f %9.2f %9.2f %8.0f %9.0f\n", world.c_str(), cell_m, speed.blocks, speed.points,
+                  speed.insert_median_ms, speed.insert_p99_ms, speed.tell_median_ms, speed.changed_blocks, 1e-3 * speed.bytes_per_s);
+      std::fflush(stdout);
+    }
   }
   return 0;
 }
@@ -163,6 +177,7 @@ int main(int argc, char** argv) {
   CLI::App* campaign = nullptr;
   CLI::App* pose = nullptr;
   CLI::App* neighbours = nullptr;
+  CLI::App* occupancy = nullptr;
   CLI::App* graph = nullptr;
   CLI::App* psf_study = nullptr;
   return cli::run_program(
@@ -191,6 +206,9 @@ int main(int argc, char** argv) {
         neighbours->add_option("--scans", options.scans, "To take the median over")
             ->check(CLI::Range(1, 500))
             ->capture_default_str();
+        occupancy = app.add_subcommand("occupancy", "The occupancy grid on a VLP-16's scans, by world: CPU time a scan, bytes a second");
+        occupancy->add_option("--seed", options.seed, "Of the worlds")->capture_default_str();
+        occupancy->add_option("--scans", options.scans, "Of 0.1 s")->check(CLI::Range(2, 10'000))->capture_default_str();
         graph = app.add_subcommand(
             "graph", "The factor graph on synthetic drives: CPU time beside Ceres, and what becomes of true and false loops");
         graph->add_option("--keyframes", options.graph.keyframes, "One or more sizes to time")
@@ -233,6 +251,9 @@ int main(int argc, char** argv) {
         }
         if (pose->parsed()) {
           return run_pose_latency(options);
+        }
+        if (occupancy->parsed()) {
+          return run_occupancy(options);
         }
         if (graph->parsed()) {
           return run_graph(options);
