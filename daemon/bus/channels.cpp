@@ -17,6 +17,9 @@ Channels::Channels(std::string_view prefix) {
   pose = std::string(prefix) + "_POSE";
   map_to_odom = std::string(prefix) + "_MAP_TO_ODOM";
   submap_poses = std::string(prefix) + "_SUBMAP_POSES";
+  map_delta = std::string(prefix) + "_MAP_DELTA";
+  map_request = std::string(prefix) + "_MAP_REQUEST";
+  map_snapshot = std::string(prefix) + "_MAP_SNAPSHOT";
   scan = std::string(prefix) + "_SCAN";
   health = std::string(prefix) + "_HEALTH";
   command = std::string(prefix) + "_COMMAND";

@@ -19,6 +19,9 @@ struct Channels {
   std::string pose;
   std::string map_to_odom;
   std::string submap_poses;
+  std::string map_delta;
+  std::string map_request;
+  std::string map_snapshot;
   std::string scan;
   std::string health;
   std::string command;

@@ -24,9 +24,9 @@ Connection::~Connection() {
   lcm_destroy(lcm_);
 }
 
-void Connection::subscribe(const std::string& channel, Handler handler) {
+void Connection::subscribe(const std::string& channel, Handler handler, int queue) {
   handlers_.push_back(std::make_unique<Handler>(std::move(handler)));
-  lcm_subscribe(lcm_, channel.c_str(), &hand_on, handlers_.back().get());
+  lcm_subscription_set_queue_capacity(lcm_subscribe(lcm_, channel.c_str(), &hand_on, handlers_.back().get()), queue);
 }
 
 bool Connection::send(const std::string& channel, std::span<const std::byte> message) {

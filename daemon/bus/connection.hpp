@@ -31,8 +31,8 @@ class Connection {
   Connection(const Connection&) = delete;
   Connection& operator=(const Connection&) = delete;
 
-  /// Calls handler, from wait(), with each message of exactly this channel.
-  void subscribe(const std::string& channel, Handler handler);
+  /// Calls handler, from wait(), with each message of exactly this channel. So many of them LCM keeps while nobody waits.
+  void subscribe(const std::string& channel, Handler handler, int queue = 30);
 
   /// Sends one message. Real-time: no allocation on udpm.
   bool send(const std::string& channel, std::span<const std::byte> message);

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "daemon/bus/encoding.hpp"
+#include "daemon/bus/map_encoding.hpp"
 
 namespace slamd::bus {
 
@@ -26,6 +27,10 @@ bool Publisher::publish(const SubmapPoses& submap_poses) {
 
 bool Publisher::publish(const Health& health) {
   return send(channels_.health, health_buffer_, encode(health, health_buffer_));
+}
+
+bool Publisher::publish(const occupancy::MapDelta& delta, bool is_answer) {
+  return send(is_answer ? channels_.map_snapshot : channels_.map_delta, map_delta_buffer_, encode(delta, map_delta_buffer_));
 }
 
 bool Publisher::publish(const Scan& scan) {

@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "core/base/bounded_vector.hpp"
+#include "core/occupancy/map_delta.hpp"
 #include "daemon/bus/channels.hpp"
 #include "daemon/bus/connection.hpp"
 #include "daemon/bus/messages.hpp"
@@ -27,7 +28,7 @@ struct PublisherConfig {
 /// publish() returns whether LCM took the message, and counts it if not; there is nothing else to do about it.
 /// Threads: each publish() from one thread at a time; different ones may overlap (LCM has a mutex of its own).
 /// Real-time: publish() of pose, map_to_odom, submap_poses and scan does not allocate on udpm; it takes LCM's mutex and sends.
-/// Health allocates.
+/// Health and the map's messages allocate.
 class Publisher {
  public:
   explicit Publisher(const PublisherConfig& config);
@@ -39,6 +40,9 @@ class Publisher {
   bool publish(const MapToOdom& map_to_odom);
   bool publish(const SubmapPoses& submap_poses);
   bool publish(const Health& health);
+
+  /// Sends what has changed of the map, or an answer to requests for it.
+  bool publish(const occupancy::MapDelta& delta, bool is_answer);
 
   /// Sends the scan in chunks; returns whether all went.
   bool publish(const Scan& scan);
@@ -62,6 +66,7 @@ class Publisher {
   Buffer submap_poses_buffer_{};
   Buffer scan_buffer_{};
   Buffer health_buffer_{};
+  Buffer map_delta_buffer_{};
 };
 
 }  // namespace slamd::bus

@@ -133,6 +133,14 @@ struct MappingConfiguration {
   int sessions = 10;              // that are kept there at most
 };
 
+/// What is occupied and free around the robot, for planners.
+struct OccupancyConfiguration {
+  bool use = true;
+  bool fine_cells = false;  // of 0.1 m rather than 0.2 m: whole blocks of either lie on the grid of submaps' anchors
+  double box_m = 32.0;
+  double height_m = 9.6;
+};
+
 struct OutputConfiguration {
   double map_spacing_m = 0.10;
   std::string save_directory;  // live: where the command "save" writes; empty: nowhere
@@ -165,6 +173,7 @@ struct Configuration {
   GnssConfiguration gnss;
   odometry::OdometryConfig odometry;
   MappingConfiguration mapping;
+  OccupancyConfiguration occupancy;
   OutputConfiguration output;
   RealtimeConfiguration realtime;
   LcmConfiguration lcm;

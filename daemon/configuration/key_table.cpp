@@ -150,6 +150,10 @@ void add_odometry_keys(std::vector<Key>& keys) {
   keys.push_back(number("mapping.session_quota_mb", 10, 10'000'000, "Of all sessions in that folder: the oldest go first, then the oldest part of the one that is written.", SLAMD_FIELD(mapping.session_quota_mb)));
   keys.push_back(number("mapping.sessions", 1, 10'000, "Sessions in that folder at most: the oldest go.", SLAMD_FIELD(mapping.sessions)));
   keys.push_back(number("mapping.view_deg", 5.0, 180.0, "Between the headings of two keyframes that are compared: less for a LiDAR that does not look around.", SLAMD_FIELD(mapping.view_deg)));
+  keys.push_back(boolean("occupancy.use", "Live: keep occupied, free and unknown cells around the robot, and send what changes of them.", SLAMD_FIELD(occupancy.use)));
+  keys.push_back(boolean("occupancy.fine_cells", "Cells of 0.1 m instead of 0.2 m: eight times the memory, about three times the work.", SLAMD_FIELD(occupancy.fine_cells)));
+  keys.push_back(number("occupancy.box_m", 20.0, 40.0, "Side of the box of cells, rounded to whole blocks of eight.", SLAMD_FIELD(occupancy.box_m)));
+  keys.push_back(number("occupancy.height_m", 1.6, 20.0, "And its height.", SLAMD_FIELD(occupancy.height_m)));
   keys.push_back(number("output.map_spacing_m", 0.02, 5.0, "Points of map.ply: one in a cube of this side.", SLAMD_FIELD(output.map_spacing_m)));
   keys.push_back(live(text("output.save_directory", "Live: where the command save writes, a folder each time; empty: it is refused.", SLAMD_FIELD(output.save_directory))));
   keys.push_back(live(boolean("realtime.fifo", "Live: threads under SCHED_FIFO where it is permitted.", SLAMD_FIELD(realtime.fifo))));

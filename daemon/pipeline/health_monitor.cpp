@@ -248,6 +248,9 @@ bus::Health HealthMonitor::read(const Pipeline& pipeline, Stamp now, const std::
   if (pipeline.mapping() != nullptr) {
     health.stages.push_back(stage("mapping", pipeline.mapping()->monitor()));
   }
+  if (pipeline.occupancy() != nullptr) {
+    health.stages.push_back(stage("occupancy", pipeline.occupancy()->monitor()));
+  }
   health.pools.push_back(pool_health("blocks", pipeline.rings().block_pool));
   health.pools.push_back(pool_health("scans", pipeline.rings().job_pool));
   const auto count = [&](const char* name, std::uint64_t value) { health.counters.try_push_back({name, value}); };
@@ -283,6 +286,9 @@ bus::Health HealthMonitor::read(const Pipeline& pipeline, Stamp now, const std::
     if (pipeline.publish().counts().scans_unmapped != 0) {
       count("scans_unmapped", pipeline.publish().counts().scans_unmapped);
     }
+  }
+  if (const std::uint64_t uncarved = pipeline.publish().counts().scans_uncarved; uncarved != 0) {
+    count("scans_uncarved", uncarved);
   }
   health.swarm_use = odometry.scans == 0 ? 0.0F
                                          : static_cast<float>(odometry.swarm_won) / static_cast<float>(odometry.scans);

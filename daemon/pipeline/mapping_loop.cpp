@@ -61,6 +61,9 @@ void MappingLoop::take(MapScan& scan) {
   ++scans_;
   note(update);
   correct();
+  if (const auto submaps = mapper.submaps().view(); !submaps.empty()) {
+    rings_.newest_submap.store(stages::NewestSubmap::of(submaps.back().id, submaps.back().anchor_odom, stage_.epoch()));
+  }
   submaps_changed_ = submaps_changed_ || update.corrected;
   const Stamp end = clock_.now();
   monitor_.add(end - begin, end);

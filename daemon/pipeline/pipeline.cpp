@@ -43,6 +43,10 @@ Pipeline::Pipeline(const Configuration& configuration, const transport::HostCloc
   if (configuration.mapping.use) {
     mapping_ = std::make_unique<MappingLoop>(stages::mapper_config(configuration), session_keeping(configuration), clock, rings_, publisher_);
   }
+  if (configuration.occupancy.use) {
+    occupancy_ = std::make_unique<OccupancyLoop>(stages::grid_config(configuration), clock, rings_, publisher_);
+    publish_.feed_occupancy(configuration.lidar.T_base_lidar.translation());
+  }
   if (SerialLine* line = receive_.serial_line(); line != nullptr) {
     serial_ = std::make_unique<SerialLoop>(configuration, clock, *line);
   }
@@ -81,6 +85,9 @@ void Pipeline::start() {
   if (mapping_) {
     mapping_thread_ = thread("slamd-mapping", {}, true, *mapping_);  // a search through the graph may take seconds
   }
+  if (occupancy_) {
+    occupancy_thread_ = thread("slamd-occupancy", {}, true, *occupancy_);
+  }
   if (serial_) {
     serial_thread_ = thread("slamd-serial", {}, true, *serial_);
   }
@@ -96,6 +103,7 @@ void Pipeline::stop() {
   if (mapping_) {
     mapping_->finish();
   }
+  occupancy_thread_.reset();
   serial_thread_.reset();
   gnss_thread_.reset();
 }
@@ -169,6 +177,7 @@ std::vector<MemoryItem> memory_plan(const Configuration& configuration) {
       {"wheel samples in rings", Rings::kWheelSamples, sizeof(sensor::WheelSample)},
       {"scans for mapping", Rings::kMapScans, sizeof(MapScan)},
       {"points for mapping", Rings::kMapPoints * scan.max_map_points, sizeof(Eigen::Vector3f)},
+      {"points to be carved", Rings::kCarveScans * scan.max_map_points, sizeof(Eigen::Vector3f)},
       {"scan poses on their way", Rings::kScanPoses, sizeof(ScanPose)},
       {"map cells being copied", Rings::kMapCells, sizeof(map::PointCell)},
       {"inertial samples kept", 3 * 2 * sensor::ImuBufferConfig{}.capacity, sizeof(sensor::ImuSample)},
@@ -178,10 +187,14 @@ std::vector<MemoryItem> memory_plan(const Configuration& configuration) {
       {"map, fine cells", odometry.map.max_cells, sizeof(map::PointCell) + 32 + 2 * sizeof(std::uint32_t)},
       {"map, coarse cells", odometry.map.max_surface_cells + odometry.map.max_surface_cells / 6,
        sizeof(map::SurfaceCell) + 32 + 2 * sizeof(std::uint32_t)},
-      {"thread stacks", 4U + (configuration.mapping.use ? 1U : 0U) + (configuration.imu.source == "serial" ? 1U : 0U) + (configuration.gnss.is_serial() ? 1U : 0U), threads::RealTimeThread::kStackBytes},
+      {"thread stacks", 4U + (configuration.mapping.use ? 1U : 0U) + (configuration.occupancy.use ? 1U : 0U) + (configuration.imu.source == "serial" ? 1U : 0U) + (configuration.gnss.is_serial() ? 1U : 0U), threads::RealTimeThread::kStackBytes},
   };
   if (configuration.mapping.use) {
     add_mapping(configuration, plan);
+  }
+  if (configuration.occupancy.use) {
+    const std::size_t blocks = occupancy::window_about(Eigen::Vector3d::Zero(), stages::grid_config(configuration)).blocks();
+    plan.push_back({"blocks of occupied and free cells", blocks, occupancy::RollingGrid::kBlock_bytes});
   }
   return plan;
 }

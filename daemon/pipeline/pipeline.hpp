@@ -9,6 +9,7 @@
 #include "daemon/configuration/configuration.hpp"
 #include "daemon/pipeline/gnss_loop.hpp"
 #include "daemon/pipeline/mapping_loop.hpp"
+#include "daemon/pipeline/occupancy_loop.hpp"
 #include "daemon/pipeline/odometry_loop.hpp"
 #include "daemon/pipeline/preprocess_loop.hpp"
 #include "daemon/pipeline/publish_loop.hpp"
@@ -24,9 +25,11 @@ namespace slamd::pipeline {
 ///
 ///   sockets, ─▶ receive ──blocks────────────▶ preprocess ──jobs──▶ odometry ──jobs──▶ publish ─▶ LCM
 ///   tty, CAN        │  └──inertial, wheels──────▲   ▲───feedback───┘                   ▲
-///                   └──inertial─────────────────────────────────────────────────────────┘  └─scans─▶ mapping ─▶ LCM
+///                   └──inertial─────────────────────────────────────────────────────────┘  ├─scans─▶ mapping ─▶ LCM
+///                                                                                          └─scans─▶ occupancy ─▶ LCM
 ///
 /// Mapping is no real-time thread: it gets copies of scans as far as there is room, and publish sends what it finds.
+/// Nor is occupancy, which sends for itself; it gets clients' requests from housekeeping.
 /// A serial port is opened, set and given up by a thread of its own, which may block; receive reads from it meanwhile. A
 /// satellite receiver's port has one to itself; its fixes go to housekeeping alone, by Latest.
 /// Rings and pools: rings.hpp says how long each is and what happens when it is full. A late odometry takes the newest
@@ -72,6 +75,16 @@ class Pipeline {
 
   /// Likewise, for after the threads have ended: by what became of it; empty without a receiver.
   stages::NamedCounts gnss_counts() const { return gnss_ ? gnss_->counts() : receive_.gnss(); }
+
+  /// nullptr where it is off.
+  const OccupancyLoop* occupancy() const { return occupancy_.get(); }
+
+  /// Hands on what a client lacks of the map. Housekeeping only.
+  void request_map(const occupancy::MapRequest& request) {
+    if (occupancy_) {
+      rings_.map_requests.try_push(request);
+    }
+  }
 
   const Rings& rings() const { return rings_; }
   bus::Publisher& publisher() { return publisher_; }
@@ -166,6 +179,7 @@ class Pipeline {
   OdometryLoop odometry_;
   PublishLoop publish_;
   std::unique_ptr<MappingLoop> mapping_;  // where it is on
+  std::unique_ptr<OccupancyLoop> occupancy_;  // where it is on
   std::unique_ptr<SerialLoop> serial_;  // where the inertial sensor has a serial port
   std::unique_ptr<GnssLoop> gnss_;      // where the receiver has one
   std::atomic<bool> stopping_{false};  // written by stop(), read by all threads
@@ -173,6 +187,7 @@ class Pipeline {
   // Last: they end before what they work on.
   std::vector<std::unique_ptr<threads::RealTimeThread>> threads_;
   std::unique_ptr<threads::RealTimeThread> mapping_thread_;
+  std::unique_ptr<threads::RealTimeThread> occupancy_thread_;
   std::unique_ptr<threads::RealTimeThread> serial_thread_;
   std::unique_ptr<threads::RealTimeThread> gnss_thread_;
 };

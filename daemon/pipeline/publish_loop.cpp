@@ -60,6 +60,22 @@ void PublishLoop::take_job(ScanJob& job) {
   if (with_mapping_) {
     hand_to_mapping(job);
   }
+  if (p_base_lidar_) {
+    hand_to_occupancy(job);
+  }
+}
+
+void PublishLoop::hand_to_occupancy(const ScanJob& job) {
+  CarveScan scan;
+  scan.points = rings_.carve_pool.acquire();
+  if (!scan.points) {
+    ++counts_.scans_uncarved;
+    return;
+  }
+  scan.scan = stages::scan_to_carve(job.result, job.scan.deskewed, job.anchor.epoch, *p_base_lidar_);
+  scan.points->assign(job.scan.deskewed.map_points_imu.view());
+  rings_.to_occupancy.try_push(std::move(scan));  // as long as the pool
+  rings_.wake_occupancy.notify();
 }
 
 void PublishLoop::hand_to_mapping(const ScanJob& job) {

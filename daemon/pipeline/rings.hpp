@@ -12,6 +12,7 @@
 #include "core/sensor/wheel_sample.hpp"
 #include "daemon/pipeline/map_placement.hpp"
 #include "daemon/stages/mapping_stage.hpp"
+#include "daemon/stages/occupancy_stage.hpp"
 #include "daemon/stages/odometry_stage.hpp"
 #include "daemon/stages/pose_stage.hpp"
 #include "daemon/stages/preprocess_stage.hpp"
@@ -51,6 +52,12 @@ struct MapScan {
   PointsPool::Handle points;  // in imu; empty: mapping was late, and has as many clouds to read as there are
 };
 
+/// A scan on its way to be carved.
+struct CarveScan {
+  stages::ScanToCarve scan;
+  PointsPool::Handle points;  // in imu
+};
+
 using BlockPool = Pool<sensor::PointBlock>;
 using JobPool = Pool<ScanJob>;
 
@@ -63,6 +70,7 @@ struct Rings {
       : block_pool(block_count),
         job_pool(kJobs, config),
         points_pool(kMapPoints, config.preprocess.max_map_points),
+        carve_pool(kCarveScans, config.preprocess.max_map_points),
         blocks(block_count),
         imu_to_preprocess(imu_samples),
         imu_to_publish(imu_samples),
@@ -71,6 +79,8 @@ struct Rings {
         to_publish(kJobs),
         feedback(2 * kJobs),
         to_mapping(kMapScans),
+        to_occupancy(kCarveScans),
+        map_requests(kMapRequests),
         scan_poses(kScanPoses),
         map_cells(kMapCells) {}
 
@@ -85,6 +95,10 @@ struct Rings {
   static constexpr std::size_t kMapScans = 300;
   /// Of these, so many with their points.
   static constexpr std::size_t kMapPoints = 32;
+  /// Scans that wait to be carved: more would be stale.
+  static constexpr std::size_t kCarveScans = 3;
+  /// Clients' requests between two scans.
+  static constexpr std::size_t kMapRequests = 64;
   /// What the odometry copies of its map between two looks of housekeeping.
   static constexpr std::size_t kMapCells = 4096;
 
@@ -92,6 +106,7 @@ struct Rings {
   BlockPool block_pool;  // acquired by receive, released by preprocess
   JobPool job_pool;      // acquired by preprocess, released by publish
   PointsPool points_pool;  // acquired by publish, released by mapping
+  PointsPool carve_pool;   // acquired by publish, released by occupancy
 
   SpscQueue<BlockPool::Handle> blocks;           // receive    → preprocess
   SpscQueue<ImuArrival> imu_to_preprocess;       // receive    → preprocess
@@ -103,6 +118,10 @@ struct Rings {
 
   SpscQueue<MapScan> to_mapping;                 // publish    → mapping; full: dropped, counted
 
+  SpscQueue<CarveScan> to_occupancy;             // publish    → occupancy
+  SpscQueue<occupancy::MapRequest> map_requests; // housekeeping → occupancy; full: dropped, clients ask again
+
+  Latest<stages::NewestSubmap> newest_submap;  // written by mapping, read by occupancy
   Latest<MapPlacement> placement;    // written by housekeeping, read by publish and mapping
   Latest<MapCorrection> correction;  // written by mapping, read by publish and housekeeping
 
@@ -117,6 +136,7 @@ struct Rings {
   threads::WakeUp wake_odometry;
   threads::WakeUp wake_publish;
   threads::WakeUp wake_mapping;
+  threads::WakeUp wake_occupancy;
 };
 
 }  // namespace slamd::pipeline

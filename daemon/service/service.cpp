@@ -20,6 +20,7 @@
 
 #include "core/geometry/so3.hpp"
 #include "daemon/bus/command_listener.hpp"
+#include "daemon/bus/map_request_listener.hpp"
 #include "daemon/devices/livox_device.hpp"
 #include "daemon/pipeline/health_monitor.hpp"
 #include "daemon/pipeline/pipeline.hpp"
@@ -128,7 +129,9 @@ class Housekeeping {
         watchdog_(notifier.patience()),
         health_(configuration, clock.now()),
         device_(device_of(configuration)),
-        commands_(configuration.lcm.url, configuration.lcm.prefix),
+        connection_(std::make_shared<bus::Connection>(configuration.lcm.url)),
+        commands_(connection_, configuration.lcm.prefix),
+        map_requests_(connection_, configuration.lcm.prefix, [&pipeline](const occupancy::MapRequest& request) { pipeline.request_map(request); }),
         saver_(configuration.output.save_directory, pipeline),
         limit_(configuration.log.repeat_period) {}
 
@@ -216,6 +219,17 @@ class Housekeeping {
   void finish() {
     run_once();
     tell_repeated(clock_.now(), true);
+  }
+
+  /// What was sent of the map and asked for; empty where there is none.
+  stages::NamedCounts map_counts() const {
+    if (pipeline_.occupancy() == nullptr) {
+      return {};
+    }
+    const pipeline::OccupancyCounts sent = pipeline_.occupancy()->counts();
+    const bus::MapRequestCounters& asked = map_requests_.counters();
+    return {{"changes", sent.changes}, {"keys", sent.keys}, {"repairs", sent.repairs}, {"requests", asked.accepted},
+            {"malformed requests", asked.malformed}, {"limited requests", asked.limited}};
   }
 
   /// Lets the LiDAR go.
@@ -340,7 +354,9 @@ class Housekeeping {
   Stamp last_fed_{};
   pipeline::HealthMonitor health_;
   std::unique_ptr<devices::LivoxDevice> device_;  // nullptr: somebody else has it send here
+  std::shared_ptr<bus::Connection> connection_;  // what clients say: commands_ waits on it, for both
   bus::CommandListener commands_;
+  bus::MapRequestListener map_requests_;
   pipeline::MapPlacement placement_;
   MapSaver saver_;
   RepeatLimit limit_;
@@ -418,6 +434,7 @@ int serve(const Configuration& configuration, const std::function<Configuration(
   log_if_any("wheels", pipeline.wheels());
   log_if_any("can", pipeline.receive().can_frames());
   log_counts(log, "blocks", stages::named_counts(pipeline.preprocess().assembler_counts()));
+  log_if_any("map messages", housekeeping.map_counts());
   for (const std::string& remark : pipeline.receive().remarks()) {
     log.info(remark);
   }

@@ -6,7 +6,9 @@
 #include <vector>
 
 #include "core/base/assert.hpp"
+#include "core/occupancy/mirror.hpp"
 #include "daemon/bus/encoding.hpp"
+#include "daemon/bus/map_encoding.hpp"
 
 namespace {
 
@@ -35,6 +37,39 @@ void check(const std::optional<Message>& message) {
   SLAMD_ASSERT(!message || encode(*message, buffer) > 0);
 }
 
+void feed_map(std::span<const std::byte> message, slamd::occupancy::Mirror& mirror) {
+  check(decode_map_request(message));
+  const auto delta = decode_map_delta(message);
+  check(delta);
+  if (delta && delta->window.blocks() < 4096) {
+    mirror.apply(*delta);
+    check(std::optional(mirror.request()));
+  }
+}
+
+slamd::occupancy::MapDelta full_delta() {
+  slamd::occupancy::MapDelta delta;
+  delta.map_id = 1;
+  delta.covers = {0, 100};
+  delta.newest = 100;
+  delta.window.size = {4, 4, 4};
+  slamd::occupancy::BlockWriter writer(delta);
+  slamd::occupancy::SentBlock block;
+  for (std::uint64_t number = 1; number < 20; ++number) {
+    block.number = number;
+    block.index.x = static_cast<std::int32_t>(number % 4);
+    block.states.free.fill(number % 3 == 0 ? 0x5555555555555555U : 0xFFFFU);
+    writer.add(block);
+  }
+  return delta;
+}
+
+slamd::occupancy::MapRequest full_request() {
+  slamd::occupancy::MapRequest request;
+  request.ranges = {{1, 2}, {5, 9}};
+  return request;
+}
+
 void feed(std::span<const std::byte> message, ScanAssembly& assembly) {
   check(decode_pose(message));
   check(decode_map_to_odom(message));
@@ -60,12 +95,15 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
   static const std::vector<std::vector<std::byte>> kGood{
       made(Pose{}),        made(MapToOdom{}),
       made(full_health()), made(Reply{.id = 1, .ok = true, .text = "done"}),
-      made(SubmapPoses{}),
+      made(SubmapPoses{}), made(full_delta()),
+      made(full_request()),
       made(Truth{}),       made(VelocityCommand{}),
       made(ScanChunk{}),   made(Command{.id = 1, .verb = "set-pose", .arguments = {"1", "2", "3", "4"}})};
   const std::span<const std::byte> input = std::as_bytes(std::span(bytes, size));
   ScanAssembly assembly;
+  slamd::occupancy::Mirror mirror;
   feed(input, assembly);
+  feed_map(input, mirror);
   if (size < 3) {
     return 0;
   }
@@ -75,5 +113,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
   std::copy_n(rest.begin(), std::min(rest.size(), message.size() - at), message.begin() + static_cast<std::ptrdiff_t>(at));
   feed(message, assembly);
   feed(message, assembly);
+  feed_map(made(full_delta()), mirror);
+  feed_map(message, mirror);
   return 0;
 }

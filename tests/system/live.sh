@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # The daemon on a network: a drive is re-sent in real time from one network namespace to another, and what a subscriber
-# hears is compared with the replay of the same recording. Needs root for the namespaces.
+# hears is compared with the replay of the same recording; a client of the map must have the daemon's. Needs root for the namespaces.
 set -uo pipefail
 cd "$(dirname "$0")/../.."
 . tests/system/verdicts.bash
@@ -24,6 +24,13 @@ live() {
   ip netns exec slamd_host "$bin/slamd-status" --json --tum "$work/live.tum" >"$work/status.log" &
   listener=$!
   pids+=("$daemon" "$listener")
+  # Two clients of the map: one from the start, one that joins late.
+  local url='udpm://239.255.76.67:7667?ttl=0' clients=()
+  ip netns exec slamd_host "$bin/../tests/map_watch" "$url" SLAMD "$seconds" >"$work/map.json" &
+  clients+=("$!")
+  (sleep $((seconds / 2)); exec ip netns exec slamd_host "$bin/../tests/map_watch" "$url" SLAMD 5) >"$work/late.json" &
+  clients+=("$!")
+  pids+=("${clients[@]}")
   sleep 1
   local feed=()
   [ "$imu" = udp ] && feed=(--imu-to udp:10.77.0.1:7501)
@@ -38,6 +45,9 @@ live() {
   kill -TERM "$daemon"
   if wait "$daemon"; then pass "$lidar: slamd ends cleanly on SIGTERM"; else fail "$lidar: slamd ends cleanly on SIGTERM"; fi
 
+  wait "${clients[@]}"
+  map_is_whole "$lidar: a client" "$work/map.json"
+  map_is_whole "$lidar: a client that joins late" "$work/late.json"
   accounted_for "$lidar" "$sent" "$work/slamd.log"  # sender = received + counted, exactly
   # The subscriber hears the poses.
   local told heard
@@ -57,6 +67,17 @@ live() {
     pass "$lidar: live and replay agree within 2 cm ($ape m rms)"
   else
     fail "$lidar: live and replay differ by '$ape' m rms"
+  fi
+}
+
+# map_is_whole WHAT FILE: the client's map is the daemon's, block by block, which their digests say; at most 1 MB/s.
+map_is_whole() {
+  local said
+  said=$(jq -r '"whole after \(.complete_after_s) s, longest gap \(.longest_gap_s) s, \(.bytes_per_s / 1000 | round) kB/s, \(.occupied) cells occupied, \(.free) free, \(.requests) requests"' "$2")
+  if jq -e '.complete and .differs == 0 and .malformed == 0 and .occupied > 100 and .free > 1000 and .bytes_per_s < 1000000' "$2" >/dev/null; then
+    pass "$1 has the daemon's map: $said"
+  else
+    fail "$1 has not the daemon's map: $(cat "$2")"
   fi
 }
 

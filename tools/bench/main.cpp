@@ -8,6 +8,7 @@
 #include "tools/bench/graph_table.hpp"
 #include "tools/bench/neighbour_peers.hpp"
 #include "tools/bench/neighbour_speed.hpp"
+#include "tools/bench/occupancy_speed.hpp"
 #include "tools/bench/own_network.hpp"
 #include "tools/bench/pose_latency.hpp"
 #include "tools/bench/ray_speed.hpp"
@@ -64,6 +65,19 @@ int run_rays(const Options& options) {
     const bench::RaySpeed speed = bench::measure_ray_speed(world, options.seed, 1.0);
     std::printf("%-10s %14.2f %15.2f\n", world.c_str(), speed.caster, speed.packets);
     std::fflush(stdout);
+  }
+  return 0;
+}
+
+int run_occupancy(const Options& options) {
+  std::printf("%-10s %6s %7s %7s %11s %9s %9s %8s %9s\n", "world", "cell m", "blocks", "points", "insert ms", "p99", "tell ms", "changed", "kB/s");
+  for (const std::string& world : simulate::world_names()) {
+    for (const double cell_m : {0.2, 0.1}) {
+      const bench::OccupancySpeed speed = bench::measure_occupancy(world, options.seed, options.scans, cell_m);
+      std::printf("%-10s %6.1f %7zu %7.0f %11.2f %9.2f %9.2f %8.0f %9.0f\n", world.c_str(), cell_m, speed.blocks, speed.points,
+                  speed.insert_median_ms, speed.insert_p99_ms, speed.tell_median_ms, speed.changed_blocks, 1e-3 * speed.bytes_per_s);
+      std::fflush(stdout);
+    }
   }
   return 0;
 }
@@ -161,6 +175,7 @@ int main(int argc, char** argv) {
   cli::Command campaign;
   cli::Command pose;
   cli::Command neighbours;
+  cli::Command occupancy;
   cli::Command graph;
   cli::Command psf_study;
   return cli::run_program(
@@ -189,6 +204,9 @@ int main(int argc, char** argv) {
         neighbours.option("--scans", options.scans, "To take the median over")
             .within(1, 500)
             .shows_default();
+        occupancy = app.command("occupancy", "The occupancy grid on a VLP-16's scans, by world: CPU time a scan, bytes a second");
+        occupancy.option("--seed", options.seed, "Of the worlds").shows_default();
+        occupancy.option("--scans", options.scans, "Of 0.1 s").within(2, 10'000).shows_default();
         graph = app.command(
             "graph", "The factor graph on synthetic drives: CPU time beside Ceres, and what becomes of true and false loops");
         graph.option("--keyframes", options.graph.keyframes, "One or more sizes to time")
@@ -231,6 +249,9 @@ int main(int argc, char** argv) {
         }
         if (pose.is_given()) {
           return run_pose_latency(options);
+        }
+        if (occupancy.is_given()) {
+          return run_occupancy(options);
         }
         if (graph.is_given()) {
           return run_graph(options);
