@@ -138,7 +138,7 @@ come_and_go() {
   check "save writes what there is" ask save first
   refuses_ "a second save of the same name" 'is there already' save first
   points=$(head -n 8 "$work/saved/first/map.ply" | awk '/^element vertex/ { print $3 + 0 }')
-  if [ "${points:-0}" -gt 4000 ] && [ "$(stat -c %s "$work/saved/first/map.ply")" -ge $((12 * points)) ]; then
+  if [ "${points:-0}" -gt 1000 ] && [ "$(stat -c %s "$work/saved/first/map.ply")" -ge $((12 * points)) ]; then
     pass "the map that was saved has $points points"
   else
     fail "the map that was saved has '$points' points"

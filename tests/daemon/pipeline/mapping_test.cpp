@@ -103,7 +103,9 @@ TEST_F(Mapping, BeginsAnewWithAnotherEpoch) {
 }
 
 TEST_F(Mapping, KeepsEachMapAsASession) {
-  MappingLoop sut(small_mapper(), {.folder = folder_}, clock, rings, publisher);
+  storage::SessionKeeping keeping;
+  keeping.folder = folder_;
+  MappingLoop sut(small_mapper(), keeping, clock, rings, publisher);
   for (int i = 0; i < 60; ++i) {
     hand_over(i);
     sut.run_once(Duration{});
