@@ -128,6 +128,9 @@ struct MappingConfiguration {
   double spacing_indoor_m = 1.0;  // of keyframes
   double spacing_outdoor_m = 2.0;
   double view_deg = 180.0;        // between the headings of keyframes that are compared
+  std::string session_directory;  // live: where the map is kept while it grows; empty: nowhere
+  int session_quota_mb = 2'000;   // of all sessions there
+  int sessions = 10;              // that are kept there at most
 };
 
 struct OutputConfiguration {

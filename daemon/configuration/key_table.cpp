@@ -146,6 +146,9 @@ void add_odometry_keys(std::vector<Key>& keys) {
   keys.push_back(number("mapping.cloud_points", 500, 20'000, "Points of a keyframe's cloud (6 bytes each).", SLAMD_FIELD(mapping.cloud_points)));
   keys.push_back(number("mapping.spacing_indoor_m", 0.2, 20.0, "Of keyframes where the map has none like it.", SLAMD_FIELD(mapping.spacing_indoor_m)));
   keys.push_back(number("mapping.spacing_outdoor_m", 0.2, 50.0, "The same outdoors.", SLAMD_FIELD(mapping.spacing_outdoor_m)));
+  keys.push_back(text("mapping.session_directory", "Live: where the map is written while it grows, a folder each time, for slamd-map; empty: nowhere.", SLAMD_FIELD(mapping.session_directory)));
+  keys.push_back(number("mapping.session_quota_mb", 10, 10'000'000, "Of all sessions in that folder: the oldest go first, then the oldest part of the one that is written.", SLAMD_FIELD(mapping.session_quota_mb)));
+  keys.push_back(number("mapping.sessions", 1, 10'000, "Sessions in that folder at most: the oldest go.", SLAMD_FIELD(mapping.sessions)));
   keys.push_back(number("mapping.view_deg", 5.0, 180.0, "Between the headings of two keyframes that are compared: less for a LiDAR that does not look around.", SLAMD_FIELD(mapping.view_deg)));
   keys.push_back(number("output.map_spacing_m", 0.02, 5.0, "Points of map.ply: one in a cube of this side.", SLAMD_FIELD(output.map_spacing_m)));
   keys.push_back(live(text("output.save_directory", "Live: where the command save writes, a folder each time; empty: it is refused.", SLAMD_FIELD(output.save_directory))));

@@ -8,6 +8,7 @@
 
 #include "core/calibration/words.hpp"
 #include "daemon/stages/pose_stage.hpp"
+#include "drivers/storage/session_keeper.hpp"
 #include "drivers/transport/udp_receiver.hpp"
 
 namespace slamd::pipeline {
@@ -179,6 +180,11 @@ void HealthMonitor::add_causes(const Pipeline& pipeline, Stamp now, bus::Health&
     judge("wheels", receive.wheels);
   }
   add_odometry_causes(pipeline, now, say);
+  if (pipeline.mapping() != nullptr) {
+    if (const std::string fault(pipeline.mapping()->counts().session_fault.view()); !fault.empty()) {
+      say("session: " + fault);
+    }
+  }
   if (gnss_enabled_) {
     if (const std::string words = gnss_cause(pipeline.gnss(), now); !words.empty()) {
       say(words);  // last: nothing else depends on it
@@ -348,6 +354,10 @@ std::string sentence(const threads::EventRecord& record) {
              odometry::name_of(static_cast<odometry::Cause>(record.value % 256));
     case Event::kMapCorrected: return "the map was corrected by loops (correction " + number + ")";
     case Event::kLoopRemoved: return "loop " + number + " does not agree with the others, and counts no more";
+    case Event::kSessionBegun:
+      return "the map is kept as " + storage::session_name(Stamp(std::chrono::seconds(static_cast<std::int64_t>(record.value)))) + " in mapping.session_directory";
+    case Event::kSessionFault: return "the session cannot be written; it is tried again every 10 s, and health says why";
+    case Event::kSessionGoesOn: return "the session is written again, with all that it lacked of the map";
     case Event::kPoseReset: return "the pose was corrected by more than its uncertainty (reset counter " + number + ")";
   }
   return "?";

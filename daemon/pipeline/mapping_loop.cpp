@@ -1,6 +1,9 @@
 #include "daemon/pipeline/mapping_loop.hpp"
 
 #include <algorithm>
+#include <exception>
+
+#include "drivers/storage/ply_writer.hpp"
 
 namespace slamd::pipeline {
 
@@ -12,8 +15,19 @@ constexpr Duration kSubmapsPeriod = std::chrono::seconds(1);
 
 }  // namespace
 
-MappingLoop::MappingLoop(const mapping::MapperConfig& config, const transport::HostClock& clock, Rings& rings, bus::Publisher& publisher)
-    : clock_(clock), rings_(rings), publisher_(publisher), stage_(config) {}
+storage::SessionKeeping session_keeping(const configuration::Configuration& configuration) {
+  storage::SessionKeeping keeping;
+  keeping.folder = configuration.mapping.session_directory;
+  keeping.quota_bytes = static_cast<std::uint64_t>(configuration.mapping.session_quota_mb) * 1'000'000U;
+  keeping.sessions = static_cast<std::size_t>(configuration.mapping.sessions);
+  keeping.sensor = configuration::name_of(configuration.lidar.model);
+  keeping.software = "slamd";
+  return keeping;
+}
+
+MappingLoop::MappingLoop(const mapping::MapperConfig& config, const storage::SessionKeeping& keeping, const transport::HostClock& clock,
+                         Rings& rings, bus::Publisher& publisher)
+    : clock_(clock), rings_(rings), publisher_(publisher), stage_(config), keeper_(keeping) {}
 
 void MappingLoop::run_once(Duration longest) {
   rings_.wake_mapping.wait(longest);
@@ -23,25 +37,46 @@ void MappingLoop::run_once(Duration longest) {
       rings_.wake_mapping.notify();
     }
   }
+  keep_session();
+  if (const auto wanted = corrected_map_.wanted()) {
+    write_map(*wanted);
+  }
   send_submaps(clock_.now());
+}
+
+void MappingLoop::finish() {
+  note(stage_.finish());
+  keeper_.close();
 }
 
 void MappingLoop::take(MapScan& scan) {
   const Stamp begin = clock_.now();
   const std::span<const Eigen::Vector3f> points =
       scan.points ? scan.points->view() : std::span<const Eigen::Vector3f>();
+  if (scan.scan.epoch != stage_.epoch()) {
+    keeper_.close();  // the next keyframe is of another map
+  }
   const mapping::MapperUpdate update = stage_.process(scan.scan, points);
   scan.points.reset();
-  const mapping::Mapper& mapper = stage_.mapper();
-  for (const graph::LoopEvent& event : update.loops) {
-    if (event.verdict == graph::LoopVerdict::kTakenOut) {
-      events_.write(begin, Event::kLoopRemoved, event.id);
-    }
-  }
+  ++scans_;
+  note(update);
   correct();
   submaps_changed_ = submaps_changed_ || update.corrected;
-  MappingCounts counts;
-  counts.scans = shown_.load().value_or(MappingCounts{}).scans + 1;
+  const Stamp end = clock_.now();
+  monitor_.add(end - begin, end);
+}
+
+void MappingLoop::note(const mapping::MapperUpdate& update) {
+  const mapping::Mapper& mapper = stage_.mapper();
+  const Stamp now = clock_.now();
+  for (const graph::LoopEvent& event : update.loops) {
+    if (event.verdict == graph::LoopVerdict::kTakenOut) {
+      events_.write(now, Event::kLoopRemoved, event.id);
+    }
+  }
+  keeper_.note(mapper, update, now);
+  MappingCounts counts = shown_.load().value_or(MappingCounts{});
+  counts.scans = scans_;
   counts.keyframes = mapper.keyframes().size();
   counts.retired = mapper.retired();
   counts.candidates = mapper.counts().candidates;
@@ -49,8 +84,57 @@ void MappingLoop::take(MapScan& scan) {
   counts.accepted = mapper.counts().accepted();
   counts.removed = mapper.counts().removed();
   shown_.store(counts);
-  const Stamp end = clock_.now();
-  monitor_.add(end - begin, end);
+}
+
+/// Does what is due for the session, and tells what has become of it.
+void MappingLoop::keep_session() {
+  if (!keeper_.is_on()) {
+    return;
+  }
+  const Stamp now = clock_.now();
+  keeper_.attend(stage_.mapper(), now);
+  const bool has_fault = !keeper_.fault().empty();
+  if (has_fault != told_fault_) {
+    told_fault_ = has_fault;
+    events_.write(now, has_fault ? Event::kSessionFault : Event::kSessionGoesOn);
+  }
+  if (keeper_.session() != told_session_) {
+    told_session_ = keeper_.session();
+    if (!told_session_.empty()) {
+      events_.write(now, Event::kSessionBegun, static_cast<std::uint64_t>(keeper_.begun().time_since_epoch() / std::chrono::seconds(1)));
+    }
+  }
+  MappingCounts counts = shown_.load().value_or(MappingCounts{});
+  const std::size_t reason = keeper_.fault().find(": ");  // behind the file's name, which health has no room for
+  counts.session_bytes = keeper_.bytes();
+  counts.session_fault = std::string_view(keeper_.fault()).substr(reason == std::string::npos ? 0 : reason + 2);
+  shown_.store(counts);
+}
+
+/// Writes all clouds where the corrected poses have them.
+void MappingLoop::write_map(const CorrectedMapRequest::Wanted& wanted) {
+  const mapping::Mapper& mapper = stage_.mapper();
+  const mapping::KeyframeStore& keyframes = mapper.keyframes();
+  CorrectedMap map;
+  map.epoch = stage_.epoch();
+  map.path = mapper.path();
+  try {
+    storage::PlyWriter file(wanted.ply);
+    BoundedVector<Eigen::Vector3f> cloud(keyframes.points_a_cloud());
+    for (std::size_t i = 0; i < keyframes.size(); ++i) {
+      cloud.clear();
+      const geometry::Se3 T_base_level(keyframes[i].R_base_level, Eigen::Vector3d::Zero());
+      keyframes.append_cloud(i, wanted.T_map_corrected * mapper.T_map_base(i) * T_base_level, cloud);
+      for (const Eigen::Vector3f& p_map : cloud) {
+        file.write(p_map);
+      }
+    }
+    file.close();
+    map.points = file.points();
+  } catch (const std::exception& error) {
+    map.fault = error.what();
+  }
+  corrected_map_.give(std::move(map));
 }
 
 void MappingLoop::correct() {

@@ -41,7 +41,7 @@ Pipeline::Pipeline(const Configuration& configuration, const transport::HostCloc
       odometry_(odometry_config_, clock, rings_),
       publish_(odometry_config_, configuration.lidar.scan_period, clock, rings_, publisher_, configuration.mapping.use) {
   if (configuration.mapping.use) {
-    mapping_ = std::make_unique<MappingLoop>(stages::mapper_config(configuration), clock, rings_, publisher_);
+    mapping_ = std::make_unique<MappingLoop>(stages::mapper_config(configuration), session_keeping(configuration), clock, rings_, publisher_);
   }
   if (SerialLine* line = receive_.serial_line(); line != nullptr) {
     serial_ = std::make_unique<SerialLoop>(configuration, clock, *line);
@@ -93,6 +93,9 @@ void Pipeline::stop() {
   stopping_ = true;
   threads_.clear();
   mapping_thread_.reset();
+  if (mapping_) {
+    mapping_->finish();
+  }
   serial_thread_.reset();
   gnss_thread_.reset();
 }

@@ -63,6 +63,10 @@ class Pipeline {
   /// nullptr where it is off.
   const MappingLoop* mapping() const { return mapping_.get(); }
 
+  /// Asks for the corrected map, written to a file; take_corrected_map() gives it. Where mapping is on. Housekeeping only.
+  void want_corrected_map(const CorrectedMapRequest::Wanted& wanted) { mapping_->corrected_map().want(wanted); }
+  std::optional<CorrectedMap> take_corrected_map() { return mapping_->corrected_map().take(); }
+
   /// What the satellite receiver has said, at its serial port or in position packets.
   stages::GnssState gnss() const { return gnss_ ? gnss_->state() : receive_.counts().gnss; }
 

@@ -13,9 +13,10 @@
 
 namespace slamd::service {
 
-/// Answers the command "save": writes what the odometry's local map holds, and the trajectory since odom began, both in
-/// map, to DIRECTORY/NAME/map.ply and trajectory.tum. The odometry copies its map in parts between scans; the files are
-/// written here, and the folder gets its name when they are whole.
+/// Answers the command "save": writes the map and the trajectory since odom began, both in map, to DIRECTORY/NAME/map.ply and
+/// trajectory.tum; the folder gets its name when they are whole. With mapping the map is the clouds of all keyframes, and both
+/// are as the loops have corrected them: the mapping thread writes it. Without, it is what the odometry's local map holds, which copies
+/// it in parts between scans.
 /// Threads: housekeeping.
 class MapSaver {
  public:
@@ -30,7 +31,8 @@ class MapSaver {
   bool is_busy() const { return job_ != nullptr; }
 
   /// Begins to save as `name`. Returns what is against it, in words; empty: nothing, and run_once() will tell the end.
-  std::string begin(std::uint64_t command_id, const std::string& name, const geometry::Se3& T_map_odom);
+  /// T_map_corrected: where a command has put the map that mapping corrects.
+  std::string begin(std::uint64_t command_id, const std::string& name, const geometry::Se3& T_map_corrected);
 
   /// Goes on; returns the reply when it is done.
   std::optional<bus::Reply> run_once();
@@ -40,11 +42,17 @@ class MapSaver {
     std::uint64_t command_id = 0;
     std::filesystem::path part;  // under this name until it is whole
     std::filesystem::path whole;
-    geometry::Se3 T_map_odom;
-    std::unique_ptr<storage::PlyWriter> map;
+    geometry::Se3 T_map_corrected;
+    std::unique_ptr<storage::PlyWriter> map;  // of the odometry; nullptr: mapping writes it
+    std::uint64_t points = 0;
+    mapping::CorrectedPath path;  // of the odom in the map that mapping corrects; without mapping they are one
+    std::string fault;
   };
 
   void add(const pipeline::ScanPose& pose);
+  bool take_corrected_map();
+  bool take_local_map();
+  bus::Reply finish(Job& job);
 
   std::filesystem::path directory_;
   pipeline::Pipeline& pipeline_;

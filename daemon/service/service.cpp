@@ -285,7 +285,7 @@ class Housekeeping {
       return bus::Reply{command.id, true, new_map()};
     }
     if (command.verb == "save") {
-      const std::string fault = saver_.begin(command.id, command.arguments[0], T_map_odom());
+      const std::string fault = saver_.begin(command.id, command.arguments[0], placement_.T_map_corrected());
       if (fault.empty()) {
         if (life_.lives()) {  // or each save would postpone the restart that a hung thread needs
           notifier_.set_patience(std::max(watchdog_, kSavePatience));
@@ -297,8 +297,6 @@ class Housekeeping {
     // Said rather than pretended: it needs a part that this release does not have.
     return bus::Reply{command.id, false, command.verb + ": this release has no black box yet (see CHANGELOG)"};
   }
-
-  geometry::Se3 T_map_odom() const { return placement_.T_map_corrected() * pipeline_.correction().T_corrected_odom(pipeline_.epoch()); }
 
   /// Forgets odom and its map; map begins where the next odom does.
   std::string new_map() {

@@ -44,6 +44,9 @@ enum class Event : std::uint8_t {
   kPoseReset,           // value: reset counter
   kMapCorrected,        // value: corrections so far
   kLoopRemoved,         // value: the loop's number
+  kSessionBegun,        // value: when, Unix seconds: its name
+  kSessionFault,
+  kSessionGoesOn,
 };
 
 struct EventRecord {

@@ -4,6 +4,8 @@
 
 #include "daemon/bus/encoding.hpp"
 #include "daemon/pipeline/publish_loop.hpp"
+#include "drivers/storage/session_reader.hpp"
+#include "tests/scratch/scratch_folder.hpp"
 
 namespace slamd::pipeline {
 namespace {
@@ -29,7 +31,7 @@ mapping::MapperConfig small_mapper() {
 }
 
 /// The mapping and publish loops without their threads, and what they send.
-struct Mapping : testing::Test {
+struct Mapping : scratch::ScratchFolder {
   Mapping() {
     connection->subscribe("SLAMD_MAP_TO_ODOM", [this](auto bytes) { map_to_odom = bus::decode_map_to_odom(bytes); });
     connection->subscribe("SLAMD_SUBMAP_POSES", [this](auto bytes) { submap_poses = bus::decode_submap_poses(bytes); });
@@ -63,7 +65,7 @@ struct Mapping : testing::Test {
 };
 
 TEST_F(Mapping, SaysWhereSubmapsLieAndGivesEachCloudBack) {
-  MappingLoop sut(small_mapper(), clock, rings, publisher);
+  MappingLoop sut(small_mapper(), {}, clock, rings, publisher);
   rings.placement.store(MapPlacement{.x_m = 100.0, .correction_id = 2, .cause = bus::Correction::kCommand});
 
   for (int i = 0; i < 60; ++i) {
@@ -86,7 +88,7 @@ TEST_F(Mapping, SaysWhereSubmapsLieAndGivesEachCloudBack) {
 }
 
 TEST_F(Mapping, BeginsAnewWithAnotherEpoch) {
-  MappingLoop sut(small_mapper(), clock, rings, publisher);
+  MappingLoop sut(small_mapper(), {}, clock, rings, publisher);
   for (int i = 0; i < 60; ++i) {
     hand_over(i);
     sut.run_once(Duration{});
@@ -98,6 +100,51 @@ TEST_F(Mapping, BeginsAnewWithAnotherEpoch) {
   sut.run_once(Duration{});
 
   EXPECT_EQ(sut.counts().keyframes, 0U);
+}
+
+TEST_F(Mapping, KeepsEachMapAsASession) {
+  storage::SessionKeeping keeping;
+  keeping.folder = folder_;
+  MappingLoop sut(small_mapper(), keeping, clock, rings, publisher);
+  for (int i = 0; i < 60; ++i) {
+    hand_over(i);
+    sut.run_once(Duration{});
+  }
+  const auto first = storage::read_session(std::filesystem::directory_iterator(folder_)->path());  // as if it were killed now
+  EXPECT_EQ(first.keyframes.size(), sut.counts().keyframes);
+  EXPECT_FALSE(first.closed);
+  MapScan scan;
+  scan.scan.epoch = 2;
+  scan.scan.trusted = true;
+  ASSERT_TRUE(rings.to_mapping.try_push(std::move(scan)));
+
+  sut.run_once(Duration{});
+  sut.finish();
+
+  std::size_t closed = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(folder_)) {
+    closed += storage::read_session(entry.path()).closed ? 1 : 0;
+  }
+  EXPECT_EQ(closed, 2U);
+}
+
+TEST_F(Mapping, WritesTheCorrectedMapWhenAsked) {
+  MappingLoop sut(small_mapper(), {}, clock, rings, publisher);
+  for (int i = 0; i < 60; ++i) {
+    hand_over(i);
+    sut.run_once(Duration{});
+  }
+  EXPECT_FALSE(sut.corrected_map().take());
+
+  sut.corrected_map().want({folder_ / "map.ply", at(100.0, 0.0)});
+  sut.run_once(Duration{});
+
+  const auto map = sut.corrected_map().take();
+  ASSERT_TRUE(map);
+  EXPECT_EQ(map->fault, "");
+  EXPECT_EQ(map->path.size(), sut.counts().keyframes);
+  EXPECT_GE(map->points, sut.counts().keyframes);
+  EXPECT_FALSE(sut.corrected_map().take()) << "once";
 }
 
 TEST_F(Mapping, PutsOdomWhereACommandAndMappingHaveIt) {
