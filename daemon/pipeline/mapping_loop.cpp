@@ -61,7 +61,7 @@ void MappingLoop::take(MapScan& scan) {
   ++scans_;
   note(update);
   correct();
-  if (const auto submaps = mapper.submaps().view(); !submaps.empty()) {
+  if (const auto submaps = stage_.mapper().submaps().view(); !submaps.empty()) {
     rings_.newest_submap.store(stages::NewestSubmap::of(submaps.back().id, submaps.back().anchor_odom, stage_.epoch()));
   }
   submaps_changed_ = submaps_changed_ || update.corrected;
