@@ -1,6 +1,7 @@
 #include "tools/cli/command.hpp"
 
 #include <cstdint>
+#include <filesystem>
 
 #include <CLI/CLI.hpp>
 
@@ -55,9 +56,11 @@ template Option Command::option(const std::string&, int&, const std::string&) co
 template Option Command::option(const std::string&, double&, const std::string&) const;
 template Option Command::option(const std::string&, float&, const std::string&) const;
 template Option Command::option(const std::string&, std::uint64_t&, const std::string&) const;
+template Option Command::option(const std::string&, std::filesystem::path&, const std::string&) const;
 template Option Command::option(const std::string&, std::vector<std::string>&, const std::string&) const;
 template Option Command::option(const std::string&, std::vector<int>&, const std::string&) const;
 template Option Command::option(const std::string&, std::vector<double>&, const std::string&) const;
+template Option Command::option(const std::string&, std::vector<std::uint16_t>&, const std::string&) const;
 template Option Command::option(const std::string&, std::vector<std::uint64_t>&, const std::string&) const;
 
 Option Command::flag(const std::string& name, bool& value, const std::string& help) const {

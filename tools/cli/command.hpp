@@ -69,7 +69,8 @@ class Command {
   explicit Command(CLI::App* app) : app_(app) {}
 
   /// A value: a name that begins with "--", or the name of an argument that stands by itself. `value` outlives the parsing.
-  /// T: std::string, int, double, float, std::uint64_t, or a vector of std::string, int, double or std::uint64_t.
+  /// T: std::string, std::filesystem::path, int, double, float, std::uint64_t, or a vector of std::string, int, double,
+  /// std::uint16_t or std::uint64_t.
   template <typename T>
   Option option(const std::string& name, T& value, const std::string& help) const;
 
