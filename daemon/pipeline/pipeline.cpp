@@ -36,15 +36,16 @@ Pipeline::Pipeline(const Configuration& configuration, const transport::HostCloc
       odometry_config_(resolved_odometry(configuration)),
       rings_(odometry_config_, blocks_of(configuration), kImuRing),
       publisher_(publisher_config(configuration)),
+      ordinary_publisher_(publisher_config(configuration)),
       receive_(configuration, clock, rings_),
       preprocess_(configuration, odometry_config_, clock, rings_),
       odometry_(odometry_config_, clock, rings_),
       publish_(odometry_config_, configuration.lidar.scan_period, clock, rings_, publisher_, configuration.mapping.use) {
   if (configuration.mapping.use) {
-    mapping_ = std::make_unique<MappingLoop>(stages::mapper_config(configuration), session_keeping(configuration), clock, rings_, publisher_);
+    mapping_ = std::make_unique<MappingLoop>(stages::mapper_config(configuration), session_keeping(configuration), clock, rings_, ordinary_publisher_);
   }
   if (configuration.occupancy.use) {
-    occupancy_ = std::make_unique<OccupancyLoop>(stages::grid_config(configuration), clock, rings_, publisher_);
+    occupancy_ = std::make_unique<OccupancyLoop>(stages::grid_config(configuration), clock, rings_, ordinary_publisher_);
     publish_.feed_occupancy(configuration.lidar.T_base_lidar.translation());
   }
   if (SerialLine* line = receive_.serial_line(); line != nullptr) {

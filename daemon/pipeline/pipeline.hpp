@@ -87,7 +87,9 @@ class Pipeline {
   }
 
   const Rings& rings() const { return rings_; }
-  bus::Publisher& publisher() { return publisher_; }
+
+  /// Where the ordinary threads, the caller's among them, send.
+  bus::Publisher& publisher() { return ordinary_publisher_; }
 
   /// Tells whose data are taken; see ReceiveLoop. Housekeeping only.
   void set_device(std::uint32_t address) { receive_.set_device(address); }
@@ -173,7 +175,8 @@ class Pipeline {
   configuration::Configuration configuration_;
   odometry::OdometryConfig odometry_config_;
   Rings rings_;
-  bus::Publisher publisher_;
+  bus::Publisher publisher_;             // the publish thread's alone: LCM has a lock, and no ordinary thread is to hold that one
+  bus::Publisher ordinary_publisher_;    // of the ordinary threads
   ReceiveLoop receive_;
   PreprocessLoop preprocess_;
   OdometryLoop odometry_;
