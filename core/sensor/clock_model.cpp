@@ -241,7 +241,12 @@ void ClockModel::take_off_step() {
     return;
   }
   const auto is_step = [](std::int64_t ns) { return ns > Duration{kSharedStep}.count() || ns < -Duration{kSharedStep}.count(); };
-  const std::int64_t step_ns = difference(*shared_delay_ns_, sum(anchor_offset_ns_, std::llround(envelope_.at(0.0))));
+  const std::int64_t delay_ns = sum(anchor_offset_ns_, std::llround(envelope_.at(0.0)));
+  if (!is_step(delay_ns)) {  // arrivals say that it is the shared clock: again, or at last, as when a device locks to it
+    health_.taken_off = Duration{};
+    return;
+  }
+  const std::int64_t step_ns = difference(*shared_delay_ns_, delay_ns);
   const std::int64_t taken_off_ns = is_step(step_ns) ? sum(shared_taken_off_ns_, step_ns) : shared_taken_off_ns_;
   health_.taken_off = Duration{is_step(taken_off_ns) ? taken_off_ns : 0};
 }

@@ -60,7 +60,8 @@ struct ClockHealth {
 /// kShared: passes the stamp through as Unix nanoseconds; with a roll-over it picks the period so
 /// that the result is within half a period of the arrival. Skew and small steps are only reported. A
 /// step of more than kSharedStep says that the source is no longer shared: it is taken off, so that
-/// time goes on as the arrivals do, until a step back makes the clock the shared one again. Until a
+/// time goes on as the arrivals do, until a step brings its stamps to the arrivals: it is the shared one
+/// again, or at last, where a device that had just booted locks to its master. Until a
 /// step is confirmed its stamps pass through, and are refused downstream as wild (StampGate).
 ///
 /// Real-time: fixed memory, no allocation; O(1), and O(128) once in 100 ms; one thread.

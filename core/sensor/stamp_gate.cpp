@@ -24,7 +24,7 @@ StampVerdict StampGate::judge(Stamp stamp) {
 }
 
 StampVerdict StampGate::judge_old(Stamp stamp) {
-  if (back_count_ == 0 || stamp <= back_last_ || later_by_more(stamp, back_last_, leap_)) {
+  if (back_count_ == 0 || stamp <= back_last_) {
     back_count_ = 0;
     back_first_ = stamp;
   }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <ctime>
+#include <utility>
 
 namespace slamd::stages {
 
@@ -91,7 +92,12 @@ void PreprocessStage::level(const ImuSample& sample) {
 
 void PreprocessStage::add_wheel(const sensor::WheelSample& sample) {
   const sensor::StampVerdict verdict = wheel_gate_.judge(sample.stamp);
-  if (verdict == sensor::StampVerdict::kAhead || verdict == sensor::StampVerdict::kOld) {
+  if (verdict == sensor::StampVerdict::kAhead) {
+    wheels_refused_ += wheel_ahead_ ? 1 : 0;
+    wheel_ahead_ = sample;
+    return;
+  }
+  if (verdict == sensor::StampVerdict::kOld) {
     ++wheels_refused_;
     return;
   }
@@ -100,6 +106,17 @@ void PreprocessStage::add_wheel(const sensor::WheelSample& sample) {
     heard_ = Stamp{};
     lateness_ = Duration{};
   }
+  if (const auto ahead = std::exchange(wheel_ahead_, std::nullopt)) {
+    if (verdict == sensor::StampVerdict::kInOrder && ahead->stamp < sample.stamp) {
+      hand_on(*ahead);
+    } else {
+      ++wheels_refused_;
+    }
+  }
+  hand_on(sample);
+}
+
+void PreprocessStage::hand_on(const sensor::WheelSample& sample) {
   if (std::abs(sample.speed_mps) > kTurningWheels_mps) {
     aligner_.note_moving();
   }

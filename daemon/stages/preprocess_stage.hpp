@@ -64,8 +64,8 @@ class PreprocessStage {
   /// Takes an inertial sample in; levels odom with the first ones.
   void add_imu(sensor::ImuSample sample);
 
-  /// Hands a sample of the wheels on, with the next scan. One that leaps ahead by more than kWheelLeap is refused until
-  /// a second one tells that it is no wild stamp.
+  /// Hands a sample of the wheels on, with the next scan. One that leaps ahead by more than kWheelLeap waits until the
+  /// next one tells that it is no wild stamp.
   void add_wheel(const sensor::WheelSample& sample);
 
   /// Takes in what the odometry found. What is left of an epoch before is of no use.
@@ -100,6 +100,7 @@ class PreprocessStage {
 
  private:
   void begin_hearing_anew();
+  void hand_on(const sensor::WheelSample& sample);
   void level(const sensor::ImuSample& sample);
   bool start(const sensor::Scan& scan, PreprocessedScan& out);
   Stamp next_heard() const;
@@ -119,6 +120,7 @@ class PreprocessStage {
   std::uint64_t sequence_ = 0;      // of the last scan handed over
   std::uint64_t late_feedback_ = 0;
   sensor::StampGate wheel_gate_{kWheelLeap, sensor::StampGate::First::kMustBeConfirmed};
+  std::optional<sensor::WheelSample> wheel_ahead_;  // a leap that waits
   std::uint64_t wheels_refused_ = 0;
   Stamp heard_{};                   // newest sample of the inertial sensor or the wheels
   Stamp scan_end_{};                // of the last scan handed over

@@ -159,7 +159,7 @@ bool CsvReader::is_far_ahead(const Row& row) const {
 
 bool CsvReader::has_stepped_back(const Row& row) const {
   const auto is_old = [&](const Row& other) { return later_by_more(*last_, shifted(other.stamp, taken_off_ns_), kLeap); };
-  const auto in_order = [](const Row& a, const Row& b) { return a.stamp < b.stamp && !later_by_more(b.stamp, a.stamp, kLeap); };
+  const auto in_order = [](const Row& a, const Row& b) { return a.stamp < b.stamp && !later_by_more(b.stamp, a.stamp, kSlowest); };
   bool steady = ahead_.size() >= kRowsAhead && is_old(row) && in_order(row, ahead_.front());
   for (std::size_t i = 0; steady && i < ahead_.size(); ++i) {
     steady = is_old(ahead_[i]) && (i == 0 || in_order(ahead_[i - 1], ahead_[i]));

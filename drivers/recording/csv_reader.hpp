@@ -41,6 +41,7 @@ struct CsvCounters {
 class CsvReader {
  public:
   static constexpr Duration kLeap = std::chrono::milliseconds{500};
+  static constexpr Duration kSlowest = std::chrono::seconds{5};  // rows of one file lie closer together, where they are to tell of a step
 
   CsvReader(const std::filesystem::path& file, std::span<const char* const> columns);
 

@@ -411,6 +411,20 @@ TEST(ClockModel, SharedVelodyneClockGetsItsHourFromTheArrival) {
   }
 }
 
+TEST(ClockModel, SharedClockIsBelievedOnceADeviceThatHadJustBootedLocksToIt) {
+  ClockModel sut(ClockConfig{.kind = ClockKind::kShared});
+  for (int i = 0; i < 2000; ++i) {
+    const Stamp arrival = kStart + i * milliseconds{2};
+    const Duration uptime = seconds{20} + i * milliseconds{2};
+    const Stamp mapped = sut.map(DeviceStamp{i < 1000 ? uptime : arrival.time_since_epoch()}, arrival + microseconds{300});
+    if (i > 1010) {
+      ASSERT_EQ(mapped, arrival) << i;
+    }
+  }
+
+  EXPECT_EQ(sut.health().taken_off, Duration{});
+}
+
 TEST(ClockModel, SharedClockReportsSmallStepsButKeepsPassingThrough) {
   ClockModel sut(ClockConfig{.kind = ClockKind::kShared});
   for (int i = 0; i < 2000; ++i) {

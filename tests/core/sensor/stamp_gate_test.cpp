@@ -9,6 +9,7 @@ namespace {
 
 using std::chrono::hours;
 using std::chrono::milliseconds;
+using std::chrono::seconds;
 
 constexpr Stamp kGateBegin{hours{400'000}};
 
@@ -76,6 +77,16 @@ TEST(StampGate, BeginsAnewAfterAQuarterOfASecondOfOldStampsInOrder) {
     EXPECT_EQ(i, 51);
     EXPECT_EQ(sut.judge(begin + (i + 1) * milliseconds{5}), StampVerdict::kInOrder);
   }
+}
+
+TEST(StampGate, SlowSourceIsFollowedWhenItsClockGoesBack) {
+  StampGate sut = after_a_second();
+  int old = 0;
+  while (old < 20 && sut.judge(kGateBegin - hours{1} + old * seconds{1}) == StampVerdict::kOld) {
+    ++old;
+  }
+
+  EXPECT_EQ(old, 4);
 }
 
 TEST(StampGate, RepeatedAndLateStampsBetweenGoodOnesNeverStepBack) {

@@ -255,6 +255,15 @@ struct SilentLidar {
   }
 };
 
+TEST(FrontEnd, RefusesNoSampleOfSlowWheels) {
+  FrontEnd sut(small_config());
+  for (int i = 0; i < 20; ++i) {
+    sut.add_wheel({Stamp{} + i * std::chrono::milliseconds(1100), 0.0, 0.0});
+  }
+
+  EXPECT_EQ(sut.wheels_refused(), 0U);
+}
+
 TEST(FrontEnd, TracksAgainAtOnceAfterAMinuteWithoutScansAtRest) {
   SilentLidar sut;
   sut.drive.rest_s = 100.0;
