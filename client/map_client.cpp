@@ -25,8 +25,8 @@ namespace {
 /// What is missing may just be late; then it is asked for, and again where no answer comes.
 constexpr auto kPatience = std::chrono::milliseconds(30);
 constexpr auto kAskAgain = std::chrono::milliseconds(250);
-/// A daemon whose clock was behind when it started again numbers its map lower than the one before: believed when that has
-/// been silent for so long.
+/// A daemon whose clock was behind when it started again numbers its map lower than the one before, and a forged message may
+/// have told of changes that there were none of: what is behind is believed when nothing else has come for so long.
 constexpr auto kGone = std::chrono::seconds(1);
 constexpr std::chrono::milliseconds kLongestSleep{20};
 constexpr int kQueue = 500;
@@ -98,20 +98,36 @@ class MapClient::Work {
       return;
     }
     const Clock::time_point now = Clock::now();
+    const bool same_odom = mirror_.known() && mirror_.epoch() == delta->epoch;
+    const std::uint64_t newest = mirror_.newest();
     Mirror::Verdict verdict = mirror_.apply(*delta);
-    if (verdict == Mirror::Verdict::kOlderMap && now - heard_ > kGone) {
+    bool is_behind = verdict == Mirror::Verdict::kOlderMap || (verdict == Mirror::Verdict::kTaken && delta->newest < newest);
+    if (is_behind && now - heard_ > kGone) {
       mirror_.forget();
       verdict = mirror_.apply(*delta);
+      is_behind = false;
+    }
+    if (verdict == Mirror::Verdict::kMalformed) {
+      ++counts_.malformed;
+      return;
     }
     if (verdict == Mirror::Verdict::kOlderMap) {
       ++counts_.older;
       return;
     }
-    heard_ = now;
+    if (verdict == Mirror::Verdict::kNewMap) {
+      ++counts_.maps;
+      ++copy_;
+      if (same_odom) {
+        submaps_ = SubmapTable{};  // of a daemon that has started again, perhaps, whose stamps may be lower
+      }
+    }
+    if (verdict == Mirror::Verdict::kDiffers) {
+      ++counts_.differs;
+      ++copy_;
+    }
+    heard_ = is_behind ? heard_ : now;
     news_ = true;
-    counts_.malformed += verdict == Mirror::Verdict::kMalformed ? 1 : 0;
-    counts_.maps += verdict == Mirror::Verdict::kNewMap ? 1 : 0;
-    counts_.differs += verdict == Mirror::Verdict::kDiffers ? 1 : 0;
     mirror_.take_left([this](const Mirror::LeftBlock& block) { counts_.left_lost += left_.try_push(block) ? 0 : 1; });
   }
 
@@ -143,7 +159,8 @@ class MapClient::Work {
     }
     news_ = false;
     const occupancy::StateMap& map = mirror_.map();
-    if (view->map_id_ != mirror_.map_id() || view->map_.size() != map.size()) {
+    if (view->copy_ != copy_) {
+      view->copy_ = copy_;
       view->map_ = map;
       view->numbers_.assign(map.size(), 0);
       view->block_submaps_.assign(map.size(), -1);
@@ -170,6 +187,7 @@ class MapClient::Work {
   Mirror mirror_;
   SubmapTable submaps_;
   Eigen::Isometry3d T_map_odom_ = Eigen::Isometry3d::Identity();
+  std::uint64_t copy_ = 0;  // which one mirror_ is making; a number of a change says nothing about another's blocks
   bool news_ = false;
   Clock::time_point heard_{};
   Clock::time_point missing_since_{};

@@ -76,6 +76,7 @@ class MapView {
   friend class MapClient;
 
   std::int64_t map_id_ = 0;
+  std::uint64_t copy_ = 0;  // that numbers_ are of
   bool complete_ = false;
   Stamp stamp_{};
   occupancy::StateMap map_;

@@ -176,8 +176,9 @@ std::optional<SentBlock> BlockReader::next() {
 }
 
 bool is_well_formed(const MapDelta& message) {
-  constexpr std::int32_t kFarthest = 1 << 28;
-  const auto is_near = [](const BlockIndex& block) { return std::abs(block.x) <= kFarthest && std::abs(block.y) <= kFarthest && std::abs(block.z) <= kFarthest; };
+  constexpr std::int32_t kFarthest = 1 << 27;  // as far as cell_of() goes: the cells of a window there fit 32 bits
+  const auto is_within = [](std::int32_t i) { return i >= -kFarthest && i <= kFarthest; };
+  const auto is_near = [&](const BlockIndex& block) { return is_within(block.x) && is_within(block.y) && is_within(block.z); };
   const auto& size = message.window.size;
   if (!(message.cell_m >= 0.01 && message.cell_m <= 10.0) || !is_near(message.window.first) || !is_near(message.anchor) || message.submap < -1 ||
       std::any_of(size.begin(), size.end(), [](std::int32_t side) { return side < 1 || side > kLongestSide; }) ||

@@ -12,6 +12,7 @@ namespace {
 
 /// Units: cells.
 constexpr double kLongestRay = 10'000.0;
+constexpr double kFarthest = 1 << 30;  // from odom's origin, as in cell_of()
 
 /// Returns how far a point lies from an axis-aligned cube. All in one unit.
 double distance_to_cube(const Eigen::Vector3d& p, const Eigen::Vector3d& corner, double side) {
@@ -71,6 +72,9 @@ std::optional<RayHit> cast_ray(const StateMap& map, const Eigen::Vector3d& from_
 std::optional<Obstacle> nearest_obstacle(const StateMap& map, const Eigen::Vector3d& p_odom, double radius_m) {
   const Window& window = map.window();
   const Eigen::Vector3d p = p_odom / map.cell_m();  // in cells from here on
+  if (!(p.cwiseAbs().array() <= kFarthest).all()) {
+    return std::nullopt;
+  }
   const BlockIndex home = cell_of(p_odom, map.cell_m()).block();
   double best = radius_m / map.cell_m();
   std::optional<Obstacle> found;

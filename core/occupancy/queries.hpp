@@ -37,7 +37,8 @@ struct Obstacle {
   CellIndex cell;
 };
 
-/// Returns the nearest occupied cell within `radius_m`, or nothing. O(blocks within the distance found).
+/// Returns the nearest occupied cell within `radius_m`, or nothing, as for a point beyond 2³⁰ cells or none. O(blocks
+/// within the distance found).
 std::optional<Obstacle> nearest_obstacle(const StateMap& map, const Eigen::Vector3d& p_odom, double radius_m);
 
 }  // namespace slamd::occupancy

@@ -45,7 +45,7 @@ struct GridConfig {
 Window window_about(const Eigen::Vector3d& p_odom, const GridConfig& config);
 
 /// A scan as the grid takes it in.
-/// Frames: points and the rays' origin in imu at the scan's end.
+/// Frames: points in imu at the scan's end; the rays' origin in odom.
 struct CarvingScan {
   std::span<const Eigen::Vector3f> points_imu;
   geometry::Se3 T_odom_imu;

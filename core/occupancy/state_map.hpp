@@ -13,6 +13,7 @@ namespace slamd::occupancy {
 /// Memory: 128 bytes a block, sized once.
 class StateMap {
  public:
+  /// Of no window: everything is unknown.
   StateMap() = default;
 
   StateMap(const Window& window, double cell_m) : cell_m_(cell_m), window_(window), blocks_(window.blocks()) {}
@@ -52,7 +53,7 @@ class StateMap {
 
  private:
   double cell_m_ = 0.2;
-  Window window_;
+  Window window_{{}, {0, 0, 0}};
   std::vector<BlockStates> blocks_;
 };
 

@@ -26,7 +26,11 @@ Connection::~Connection() {
 
 void Connection::subscribe(const std::string& channel, Handler handler, int queue) {
   handlers_.push_back(std::make_unique<Handler>(std::move(handler)));
-  lcm_subscription_set_queue_capacity(lcm_subscribe(lcm_, channel.c_str(), &hand_on, handlers_.back().get()), queue);
+  lcm_subscription_t* subscription = lcm_subscribe(lcm_, channel.c_str(), &hand_on, handlers_.back().get());
+  if (subscription == nullptr) {
+    throw BusError("LCM cannot listen for '" + channel + "' at '" + url_ + "': is the channel right, and may this host join the multicast group?");
+  }
+  lcm_subscription_set_queue_capacity(subscription, queue);
 }
 
 bool Connection::send(const std::string& channel, std::span<const std::byte> message) {

@@ -20,7 +20,7 @@ class BusError : public std::runtime_error {
 };
 
 /// One connection to LCM.
-/// Errors: the constructor throws BusError.
+/// Errors: the constructor and subscribe() throw BusError.
 /// Threads: send() from any; the others, and the destructor, from one.
 class Connection {
  public:

@@ -179,6 +179,7 @@ std::vector<MemoryItem> memory_plan(const Configuration& configuration) {
       {"scans for mapping", Rings::kMapScans, sizeof(MapScan)},
       {"points for mapping", Rings::kMapPoints * scan.max_map_points, sizeof(Eigen::Vector3f)},
       {"points to be carved", Rings::kCarveScans * scan.max_map_points, sizeof(Eigen::Vector3f)},
+      {"requests for the map", Rings::kMapRequests, sizeof(occupancy::MapRequest)},
       {"scan poses on their way", Rings::kScanPoses, sizeof(ScanPose)},
       {"map cells being copied", Rings::kMapCells, sizeof(map::PointCell)},
       {"inertial samples kept", 3 * 2 * sensor::ImuBufferConfig{}.capacity, sizeof(sensor::ImuSample)},
@@ -194,8 +195,10 @@ std::vector<MemoryItem> memory_plan(const Configuration& configuration) {
     add_mapping(configuration, plan);
   }
   if (configuration.occupancy.use) {
-    const std::size_t blocks = occupancy::window_about(Eigen::Vector3d::Zero(), stages::grid_config(configuration)).blocks();
+    const occupancy::GridConfig grid = stages::grid_config(configuration);
+    const std::size_t blocks = occupancy::window_about(Eigen::Vector3d::Zero(), grid).blocks();
     plan.push_back({"blocks of occupied and free cells", blocks, occupancy::RollingGrid::kBlock_bytes});
+    plan.push_back({"ends of a scan's rays", grid.max_points, sizeof(Eigen::Vector3f)});
   }
   return plan;
 }

@@ -1,9 +1,11 @@
 #include "client/map_client.hpp"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <memory>
 #include <random>
+#include <string>
 #include <thread>
 
 #include "core/occupancy/delta_source.hpp"
@@ -27,10 +29,11 @@ occupancy::GridConfig small_grid() {
   return config;
 }
 
-/// What a daemon does with scans, on a real LCM of its own. An address and a port of its own, and no further than this
-/// computer.
+/// What a daemon does with scans, on a real LCM of its own: address and port, and no further than this computer, where the
+/// prefix tells apart programs that run side by side.
 struct MapClientOnTheNetwork : testing::Test {
   static constexpr const char* kUrl = "udpm://239.255.76.68:7994?ttl=0";
+  const std::string prefix = "T" + std::to_string(getpid());
 
   void SetUp() override {
     try {
@@ -38,8 +41,8 @@ struct MapClientOnTheNetwork : testing::Test {
     } catch (const bus::BusError& error) {
       GTEST_SKIP() << error.what();
     }
-    publisher = std::make_unique<bus::Publisher>(connection, bus::PublisherConfig{.url = kUrl});
-    requests = std::make_unique<bus::MapRequestListener>(connection, "SLAMD", [this](const occupancy::MapRequest& request) { source.request(request); });
+    publisher = std::make_unique<bus::Publisher>(connection, bus::PublisherConfig{.url = kUrl, .prefix = prefix});
+    requests = std::make_unique<bus::MapRequestListener>(connection, prefix, [this](const occupancy::MapRequest& request) { source.request(request); });
     source.restart(map_id, 3);
   }
 
@@ -109,7 +112,7 @@ struct MapClientOnTheNetwork : testing::Test {
 };
 
 TEST_F(MapClientOnTheNetwork, HasTheMapInSpiteOfLosses) {
-  MapClient sut({.url = kUrl});
+  MapClient sut({.url = kUrl, .prefix = prefix});
   EXPECT_FALSE(sut.view()->known());
   for (int i = 0; i < 30; ++i) {
     scan({0.3 * i, 0.0, 0.0});
@@ -134,7 +137,7 @@ TEST_F(MapClientOnTheNetwork, JoinsLateByAskingAndBeginsAnewWithAnotherMap) {
     scan({0.3 * i, 0.0, 0.0});
     tell();
   }
-  MapClient sut({.url = kUrl, .own_thread = false});
+  MapClient sut({.url = kUrl, .prefix = prefix, .own_thread = false});
   EXPECT_GE(sut.fd(), 0);
   EXPECT_TRUE(becomes_same(sut, true));
   EXPECT_GE(sut.counts().requests, 1U);
@@ -150,10 +153,30 @@ TEST_F(MapClientOnTheNetwork, JoinsLateByAskingAndBeginsAnewWithAnotherMap) {
   EXPECT_EQ(before->map_id(), map_id - 1) << "what is being looked at stays as it was";
 }
 
+TEST_F(MapClientOnTheNetwork, RecoversFromAForgedMessageOfItsOwnMap) {
+  MapClient sut({.url = kUrl, .prefix = prefix, .own_thread = false});
+  scan(Eigen::Vector3d::Zero());
+  ASSERT_TRUE(becomes_same(sut, true));
+  MapDelta forged;
+  forged.map_id = map_id;
+  forged.covers = {0, 1'000'000'000'000};
+  forged.newest = forged.covers.to;
+  forged.window = grid.states().window();
+  forged.window.first.x += 1000;
+  publisher->publish(forged, false);
+  for (int i = 0; i < 250 && is_same(*sut.view()); ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    sut.handle();
+  }
+  ASSERT_FALSE(is_same(*sut.view()));
+
+  EXPECT_TRUE(becomes_same(sut, true));
+}
+
 TEST_F(MapClientOnTheNetwork, AnswersWhatAPlannerAsksAndFollowsItsSubmaps) {
   source.set_anchor(5, {0, 0, 0});
   grid.set_submap(5);
-  MapClient sut({.url = kUrl});
+  MapClient sut({.url = kUrl, .prefix = prefix});
   scan(Eigen::Vector3d::Zero());
   bus::MapToOdom map_to_odom;
   map_to_odom.T_map_odom = geometry::Se3(Eigen::Matrix3d::Identity(), Eigen::Vector3d(100.0, 0.0, 0.0));
@@ -178,6 +201,19 @@ TEST_F(MapClientOnTheNetwork, AnswersWhatAPlannerAsksAndFollowsItsSubmaps) {
   EXPECT_EQ(view->submap(5)->version, 2U);
   EXPECT_NEAR(view->to_map(p_odom).x(), p_odom.x() + 200.0, 1e-9) << "by its submap";
   EXPECT_NEAR(view->to_map({50.0, 0.0, 0.0}).x(), 150.0, 1e-9) << "by odom";
+
+  // The daemon starts again, in the same epoch, with its clock behind.
+  source.restart(++map_id, 3);
+  ASSERT_TRUE(becomes_same(sut));
+  EXPECT_EQ(sut.view()->submap(5), nullptr);
+  poses.stamp = Stamp{} + std::chrono::seconds(1);
+  poses.submaps[0].version = 1;
+  publisher->publish(poses);
+  const auto told = [&] { return sut.view()->submap(5) != nullptr; };
+  for (int i = 0; i < 250 && !told(); ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
+  EXPECT_TRUE(told());
 }
 
 TEST_F(MapClientOnTheNetwork, IsNotAnsweredWhenItFloods) {

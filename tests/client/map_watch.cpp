@@ -37,6 +37,12 @@ int main(int argc, char** argv) {
     whole_s = view->complete() ? now_s : whole_s;
     client.take_left([&left](const auto&) { ++left; });
   }
+  const double incomplete_s = complete_s >= 0.0 ? elapsed_s() - whole_s : seconds;
+  // The drive may go on: an update under way has this long to come whole.
+  while (!client.view()->complete() && elapsed_s() < seconds + 2.0) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    client.take_left([&left](const auto&) { ++left; });
+  }
   const auto counts = client.counts();
   const auto view = client.view();
   std::size_t occupied = 0;
@@ -47,9 +53,9 @@ int main(int argc, char** argv) {
       free += static_cast<std::size_t>(__builtin_popcountll(view->cells().block(slot).free[static_cast<std::size_t>(z)]));
     }
   }
-  std::printf("{\"complete\":%s,\"complete_after_s\":%.3f,\"longest_gap_s\":%.3f,\"bytes_per_s\":%.0f,\"messages\":%llu,\"requests\":%llu,"
+  std::printf("{\"complete\":%s,\"complete_after_s\":%.3f,\"longest_gap_s\":%.3f,\"incomplete_s\":%.3f,\"bytes_per_s\":%.0f,\"messages\":%llu,\"requests\":%llu,"
               "\"maps\":%llu,\"malformed\":%llu,\"differs\":%llu,\"occupied\":%zu,\"free\":%zu,\"left\":%zu,\"submaps\":%zu}\n",
-              view->complete() ? "true" : "false", complete_s < 0.0 ? -1.0 : complete_s - heard_s, longest_gap_s,
+              view->complete() ? "true" : "false", complete_s < 0.0 ? -1.0 : complete_s - heard_s, longest_gap_s, incomplete_s,
               heard_s < 0.0 ? 0.0 : static_cast<double>(counts.bytes) / (elapsed_s() - heard_s), static_cast<unsigned long long>(counts.messages),
               static_cast<unsigned long long>(counts.requests), static_cast<unsigned long long>(counts.maps),
               static_cast<unsigned long long>(counts.malformed), static_cast<unsigned long long>(counts.differs), occupied, free, left,

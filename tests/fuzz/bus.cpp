@@ -7,6 +7,7 @@
 
 #include "core/base/assert.hpp"
 #include "core/occupancy/mirror.hpp"
+#include "core/occupancy/queries.hpp"
 #include "daemon/bus/encoding.hpp"
 #include "daemon/bus/map_encoding.hpp"
 
@@ -37,12 +38,28 @@ void check(const std::optional<Message>& message) {
   SLAMD_ASSERT(!message || encode(*message, buffer) > 0);
 }
 
+/// Asks about both ends of the window, which may lie as far out as a message may put it.
+void ask(const slamd::occupancy::StateMap& map) {
+  const auto& window = map.window();
+  const double block_m = slamd::occupancy::kBlockSide * map.cell_m();
+  const Eigen::Vector3d first = block_m * Eigen::Vector3d(window.first.x, window.first.y, window.first.z);
+  const Eigen::Vector3d last = first + block_m * Eigen::Vector3d(window.size[0], window.size[1], window.size[2]);
+  const Eigen::Vector3d margin = Eigen::Vector3d::Constant(1.5 * map.cell_m());
+  for (const Eigen::Vector3d& p_odom : {first, last}) {
+    const auto counts = count_cells(map, p_odom - margin, p_odom + margin);
+    SLAMD_ASSERT(counts.free + counts.occupied <= 5 * 5 * 5);
+    const auto obstacle = nearest_obstacle(map, p_odom, block_m);
+    SLAMD_ASSERT(!obstacle || map.at(obstacle->cell) == slamd::occupancy::CellState::kOccupied);
+  }
+}
+
 void feed_map(std::span<const std::byte> message, slamd::occupancy::Mirror& mirror) {
   check(decode_map_request(message));
   const auto delta = decode_map_delta(message);
   check(delta);
   if (delta && delta->window.blocks() < 4096) {
     mirror.apply(*delta);
+    ask(mirror.map());
     check(std::optional(mirror.request()));
   }
 }

@@ -93,7 +93,9 @@ TEST(MapDelta, IsRefusedWhenMalformed) {
   EXPECT_TRUE(refuses([](MapDelta& m) { m.window.size = {1 << 10, 1 << 10, 1 << 10}; }));
   EXPECT_TRUE(refuses([](MapDelta& m) { m.window.size[1] = 0; }));
   EXPECT_TRUE(refuses([](MapDelta& m) { m.window.size = {2, 2, 2}; })) << "its blocks lie outside";
-  EXPECT_TRUE(refuses([](MapDelta& m) { m.window.first.x = 1 << 30; }));
+  EXPECT_TRUE(refuses([](MapDelta& m) { m.window.first.x = 1 << 28; }));
+  EXPECT_TRUE(refuses([](MapDelta& m) { m.window.first.y = std::numeric_limits<std::int32_t>::min(); }));
+  EXPECT_TRUE(refuses([](MapDelta& m) { m.anchor.z = std::numeric_limits<std::int32_t>::min(); }));
   EXPECT_TRUE(refuses([](MapDelta& m) { m.covers = {200, 100}; }));
   EXPECT_TRUE(refuses([](MapDelta& m) { m.covers.to = 104; })) << "a block changed after";
   EXPECT_TRUE(refuses([](MapDelta& m) { m.newest = 150; }));

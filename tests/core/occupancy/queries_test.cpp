@@ -91,6 +91,22 @@ TEST(Queries, FindTheNearestObstacleAsALoopDoes) {
   }
 }
 
+TEST(Queries, KnowNothingOfNoWindowNorOfWhatLiesBeyondAll) {
+  const StateMap none;
+  std::mt19937_64 engine(5);
+  const StateMap map = scattered(engine, 20);
+  const double infinite = std::numeric_limits<double>::infinity();
+
+  EXPECT_EQ(none.size(), 0U);
+  EXPECT_EQ(state_at(none, Eigen::Vector3d::Zero()), CellState::kUnknown);
+  EXPECT_EQ(count_cells(none, {-0.3, -0.3, -0.3}, {0.3, 0.3, 0.3}).unknown, 64U);
+  EXPECT_EQ(cast_ray(none, Eigen::Vector3d::Zero(), Eigen::Vector3d::Ones(), true)->state, CellState::kUnknown);
+  EXPECT_FALSE(cast_ray(none, Eigen::Vector3d::Zero(), Eigen::Vector3d::Ones(), false));
+  EXPECT_FALSE(nearest_obstacle(none, Eigen::Vector3d::Zero(), infinite));
+  EXPECT_FALSE(nearest_obstacle(map, Eigen::Vector3d(1e12, 0.0, 0.0), infinite));
+  EXPECT_FALSE(nearest_obstacle(map, Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN()), infinite));
+}
+
 TEST(Queries, CastRaysToTheFirstCellThatBlocks) {
   StateMap map(Window{{0, 0, 0}, {2, 1, 1}}, kCell_m);
   map.block(0).free.fill(~std::uint64_t{0});

@@ -67,6 +67,12 @@ TEST(Publisher, SaysWhatIsWrongWithAUrlThatLeadsNowhere) {
   }
 }
 
+TEST(Connection, SaysThatItCannotListen) {
+  Connection sut("memq://");
+
+  EXPECT_THROW(sut.subscribe("(", [](auto) {}), BusError) << "for LCM a channel is a regular expression";
+}
+
 TEST(Publisher, MaySendEachKindFromAThreadOfItsOwn) {
   const auto connection = std::make_shared<Connection>("memq://");
   Publisher sut(connection, {});

@@ -2,12 +2,17 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <vector>
+
+#include <malloc.h>
 
 #include "core/occupancy/mirror.hpp"
 #include "core/occupancy/queries.hpp"
 #include "daemon/bus/map_encoding.hpp"
-#include "daemon/pipeline/publish_loop.hpp"
+#include "daemon/pipeline/pipeline.hpp"
+#include "tests/support/allocation_guard.hpp"
 
 namespace slamd::pipeline {
 namespace {
@@ -21,6 +26,16 @@ odometry::OdometryConfig odometry_of_few_points() {
   config.preprocess.max_map_points = 100;
   config.use_imu = false;
   return config;
+}
+
+Duration monotonic_now{};
+
+double bytes_planned(const configuration::Configuration& configuration) {
+  double sum = 0.0;
+  for (const MemoryItem& item : memory_plan(configuration)) {
+    sum += static_cast<double>(item.count) * static_cast<double>(item.item_bytes);
+  }
+  return sum;
 }
 
 /// The publish and occupancy loops without their threads, and a client's copy of what they send.
@@ -40,7 +55,9 @@ struct Occupancy : testing::Test {
   }
 
   /// A scan through publish: a wall 3 m ahead of a robot at x.
-  void publish_scan(double x, std::uint32_t epoch = 1, bool trusted = true) {
+  void publish_scan(double x, std::uint32_t epoch = 1, bool trusted = true) { publish_scan(publish, x, epoch, trusted); }
+
+  void publish_scan(PublishLoop& loop, double x, std::uint32_t epoch = 1, bool trusted = true) {
     auto job = rings.job_pool.acquire();
     ASSERT_TRUE(job);
     job->processed = true;
@@ -56,7 +73,7 @@ struct Occupancy : testing::Test {
       job->scan.deskewed.map_points_imu.push_back({3.1F, y, 0.5F});
     }
     ASSERT_TRUE(rings.to_publish.try_push(std::move(job)));
-    publish.run_once(Duration{});
+    loop.run_once(Duration{});
   }
 
   void hear() {
@@ -66,7 +83,7 @@ struct Occupancy : testing::Test {
 
   CellState at(double x) const { return occupancy::state_at(mirror.map(), {x, 0.1, 0.5}); }
 
-  transport::HostClock clock;
+  transport::HostClock clock{[] { return transport::ClockReadings{monotonic_now, monotonic_now + std::chrono::hours(1)}; }};
   odometry::OdometryConfig odometry = odometry_of_few_points();
   Rings rings{odometry, 8, 64};
   std::shared_ptr<bus::Connection> connection = std::make_shared<bus::Connection>("memq://");
@@ -163,6 +180,64 @@ TEST_F(Occupancy, SaysWhichSubmapIsTheNewestAndAnswersRequests) {
   const occupancy::BlockIndex wall = occupancy::cell_of({3.1, 0.1, 0.5}, 0.2).block();
   EXPECT_EQ(mirror.submap(mirror.map().window().slot_of(wall)), 4);
   EXPECT_EQ(stages::NewestSubmap::of(4, {1.6, -3.2, 0.0}, 1).anchor_odom_m[1], -3.2);
+}
+
+TEST_F(Occupancy, TellsFiveTimesASecondWhereNoScanComes) {
+  OccupancyLoop sut(grid, clock, rings, publisher);
+  const auto tells = [&](int after_ms) {
+    monotonic_now += std::chrono::milliseconds(after_ms);
+    const std::uint64_t before = sut.counts().changes;
+    sut.run_once(Duration{});
+    return sut.counts().changes > before;
+  };
+  EXPECT_FALSE(tells(1000)) << "there is no map yet";
+  publish_scan(0.0);
+  EXPECT_TRUE(tells(0));
+
+  EXPECT_FALSE(tells(199));
+  EXPECT_TRUE(tells(1));
+  EXPECT_FALSE(tells(100));
+  EXPECT_TRUE(tells(100));
+}
+
+// LCM's memq allocates, udpm does not: so scans with and without, and the fewest, for GLib takes pages now and then.
+TEST_F(Occupancy, IsHandedScansWithoutAllocating) {
+  SLAMD_NEEDS_ALLOCATION_GUARD();
+  PublishLoop without(odometry, std::chrono::milliseconds(100), clock, rings, publisher, false);
+  const auto fewest_allocations = [this](PublishLoop& loop) {
+    std::size_t fewest = ~std::size_t{0};
+    for (int i = 0; i < 8; ++i) {
+      fewest = std::min(fewest, support::count_allocations([&] { publish_scan(loop, 0.0); }));
+      hear();
+      rings.to_occupancy.try_pop();
+    }
+    return fewest;
+  };
+
+  const std::size_t expected = fewest_allocations(without);
+
+  EXPECT_EQ(fewest_allocations(publish), expected);
+  EXPECT_EQ(publish.counts().scans_uncarved, 0U);
+}
+
+TEST_F(Occupancy, TakesTheMemoryThatIsPlanned) {
+  SLAMD_NEEDS_ALLOCATION_GUARD();
+  configuration::Configuration on;
+  on.occupancy.use = true;
+  configuration::Configuration off = on;
+  off.occupancy.use = false;
+  const auto used = [] {
+    const auto info = mallinfo2();
+    return static_cast<double>(info.uordblks + info.hblkhd);
+  };
+
+  const double before = used();
+  const OccupancyLoop sut(stages::grid_config(on), clock, rings, publisher);
+  const double taken = used() - before;
+  const double planned = bytes_planned(on) - bytes_planned(off) - static_cast<double>(threads::RealTimeThread::kStackBytes);
+
+  EXPECT_GT(planned, 1e6);
+  EXPECT_LE(std::abs(taken - planned), 0.01 * planned) << "taken " << taken << ", planned " << planned;
 }
 
 }  // namespace
