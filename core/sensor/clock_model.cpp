@@ -263,7 +263,7 @@ void ClockModel::count_step(double step_ns) {
 }
 
 void ClockModel::advance(const Sample& sample, std::int64_t device_ns, Stamp arrival) {
-  const double dt_ns = sample.x_ns - newest_x_ns_;
+  const double dt_ns = std::max(0.0, sample.x_ns - newest_x_ns_);  // differences of any 64 bits saturate
   newest_x_ns_ = sample.x_ns;
   newest_device_ns_ = device_ns;
   newest_arrival_ = arrival;

@@ -66,7 +66,7 @@ RoomDrive drive_in_room(double rest_s, double length_s) {
     drive.packets.push_back({stamp_at(begin_s + kPacket_s + 1e-4), data_packet(room, begin_s, rest_s, engine)});
   }
   std::normal_distribution<double> noise(0.0, 1.0);
-  const auto about = [&](double std) { return std * Eigen::Vector3d(noise(engine), noise(engine), noise(engine)); };
+  const auto about = [&](double std) -> Eigen::Vector3d { return std * Eigen::Vector3d(noise(engine), noise(engine), noise(engine)); };
   for (int i = 0; 0.005 * i < length_s; ++i) {
     sensor::ImuSample sample;
     sample.stamp = stamp_at(0.005 * i);
