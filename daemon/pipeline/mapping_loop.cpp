@@ -38,7 +38,7 @@ void MappingLoop::run_once(Duration longest) {
     }
   }
   keep_session();
-  if (const auto wanted = corrected_map_.wanted()) {
+  if (const auto wanted = corrected_map_.wanted(stage_.epoch())) {
     write_map(*wanted);
   }
   send_submaps(clock_.now());

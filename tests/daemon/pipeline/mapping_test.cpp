@@ -137,7 +137,7 @@ TEST_F(Mapping, WritesTheCorrectedMapWhenAsked) {
   }
   EXPECT_FALSE(sut.corrected_map().take());
 
-  sut.corrected_map().want({folder_ / "map.ply", at(100.0, 0.0)});
+  sut.corrected_map().want({folder_ / "map.ply", at(100.0, 0.0), 1});
   sut.run_once(Duration{});
 
   const auto map = sut.corrected_map().take();
@@ -146,6 +146,30 @@ TEST_F(Mapping, WritesTheCorrectedMapWhenAsked) {
   EXPECT_EQ(map->path.size(), sut.counts().keyframes);
   EXPECT_GE(map->points, sut.counts().keyframes);
   EXPECT_FALSE(sut.corrected_map().take()) << "once";
+}
+
+TEST_F(Mapping, WritesNoMapButTheOneThatIsWanted) {
+  MappingLoop sut(small_mapper(), {}, clock, rings, publisher);
+  hand_over(0);
+  sut.run_once(Duration{});
+
+  sut.corrected_map().want({folder_ / "map.ply", Se3(), 2});
+  sut.run_once(Duration{});
+  EXPECT_FALSE(sut.corrected_map().take()) << "it has yet to come to that odom";
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "map.ply"));
+  hand_over(1, 2);
+  sut.run_once(Duration{});
+
+  const auto map = sut.corrected_map().take();
+  ASSERT_TRUE(map);
+  EXPECT_EQ(map->epoch, 2U);
+  hand_over(2, 3);
+  sut.run_once(Duration{});
+  sut.corrected_map().want({folder_ / "map.ply", Se3(), 2});
+  sut.run_once(Duration{});
+  const auto late = sut.corrected_map().take();
+  ASSERT_TRUE(late) << "it will never come again";
+  EXPECT_EQ(late->epoch, 3U);
 }
 
 TEST_F(Mapping, SaysThatTheSessionIsWrittenAgainOnlyWhenItIs) {
