@@ -180,18 +180,20 @@ LoopVerifier::Contradiction LoopVerifier::contradiction_of(std::span<const Eigen
                                                            const Se3& T_candidate_query) const {
   const SeenThrough query = candidate_view_.seen_through(points_query, T_candidate_query);
   const SeenThrough candidate = query_view_.seen_through(candidate_points_.view(), T_candidate_query.inverse());
-  return {std::max(query.share(), candidate.share()), std::min(query.in_field, candidate.in_field)};
+  return {std::max(query.share(), candidate.share()),
+          std::max(query.share_of_at_least(config_.sight_points), candidate.share_of_at_least(config_.sight_points)),
+          std::min(query.in_field, candidate.in_field)};
 }
 
-void LoopVerifier::refine_modes() {
+void LoopVerifier::refine_modes(std::span<const Eigen::Vector3f> points_query) {
   for (Mode& mode : modes_) {
     mode.T_candidate_query =
         registration::align_to_surfaces(refine_points_.view(), map_, mode.T_candidate_query, refining(), constraints_);
     const registration::NormalEquations sum =
         register_to_planes(refine_points_.view(), refine_points_.size(), kModeAssociations, mode.T_candidate_query);
-    mode.seen_through = contradiction_of(refine_points_.view(), mode.T_candidate_query).seen_through;
+    const double seen_through = contradiction_of(points_query, mode.T_candidate_query).for_modes;
     mode.score = static_cast<double>(sum.inliers) / static_cast<double>(refine_points_.size()) *
-                 std::exp(-mode.seen_through / config_.sight_scale);
+                 std::exp(-seen_through / config_.sight_scale);
   }
   std::sort(modes_.begin(), modes_.end(), [](const Mode& a, const Mode& b) { return a.score > b.score; });
 }
@@ -258,7 +260,7 @@ Verification LoopVerifier::verify(std::span<const Eigen::Vector3f> points_query,
   query_view_.add(points_query);
   search(proposal);
   result.searched = searched_;
-  refine_modes();
+  refine_modes(points_query);
   const Mode& best = modes_[0];
   result.T_candidate_query = best.T_candidate_query;
   for (const Mode& mode : modes_) {

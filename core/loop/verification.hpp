@@ -47,6 +47,7 @@ struct VerificationConfig {
   double search_std_m = 0.5;         // of a point against the larger cells
   std::size_t modes = 5;
   double sight_scale = 0.01;         // seen through: a mode's score falls by e for each such share
+  std::size_t sight_points = 400;    // in a smaller field a point weighs as one of so many: a stray one does not decide
   double modes_apart_m = 1.7;        // before they are refined
   // the final registration
   std::size_t points = 1'024;
@@ -121,10 +122,10 @@ class LoopVerifier {
   struct Mode {
     geometry::Se3 T_candidate_query;
     double score = 0.0;  // 0..1: at last the share of points on a plane, less where the clouds contradict each other
-    double seen_through = 0.0;
   };
   struct Contradiction {
     double seen_through = 0.0;  // the greater share of the two ways to look
+    double for_modes = 0.0;     // likewise, less in a small field
     std::size_t in_field = 0;   // the fewer points
   };
 
@@ -134,7 +135,7 @@ class LoopVerifier {
   void offer(const Mode& mode);
   double weight_of(const Mode& mode, const LoopProposal& proposal) const;
   bool are_apart(const geometry::Se3& a, const geometry::Se3& b, double apart_m) const;
-  void refine_modes();
+  void refine_modes(std::span<const Eigen::Vector3f> points_query);
   registration::NormalEquations register_to_planes(std::span<const Eigen::Vector3f> points_query, std::size_t wanted,
                                                    int associations, geometry::Se3& T_candidate_query);
   void register_finely(std::span<const Eigen::Vector3f> points_query, Verification& result);

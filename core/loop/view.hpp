@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <limits>
@@ -17,7 +18,12 @@ struct SeenThrough {
   std::size_t through = 0;
 
   /// Of those in the field; 0 where these are few.
-  double share() const { return in_field < 50 ? 0.0 : static_cast<double>(through) / static_cast<double>(in_field); }
+  double share() const { return share_of_at_least(1); }
+
+  /// Likewise, but of so many at least: in a smaller field one stray point would be a large share.
+  double share_of_at_least(std::size_t points) const {
+    return in_field < 50 ? 0.0 : static_cast<double>(through) / static_cast<double>(std::max(points, in_field));
+  }
 };
 
 /// What was seen from one place: the nearest range in each direction, 3° by 3°.

@@ -28,6 +28,7 @@ class CorrectedMapRequest {
   struct Wanted {
     std::filesystem::path ply;
     geometry::Se3 T_map_corrected;  // where a command has put the map that mapping corrects
+    std::uint32_t epoch = 1;        // of the odom that the map is to be of
   };
 
   void want(const Wanted& wanted) {
@@ -41,9 +42,10 @@ class CorrectedMapRequest {
     return std::exchange(given_, std::nullopt);
   }
 
-  std::optional<Wanted> wanted() {
+  /// Returns what is wanted, once; not before mapping has come to that odom: it may have scans of the one before to take in.
+  std::optional<Wanted> wanted(std::uint32_t epoch) {
     const std::lock_guard lock(mutex_);
-    return std::exchange(wanted_, std::nullopt);
+    return wanted_ && wanted_->epoch <= epoch ? std::exchange(wanted_, std::nullopt) : std::nullopt;
   }
 
   void give(CorrectedMap map) {

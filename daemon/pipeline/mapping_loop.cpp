@@ -38,7 +38,7 @@ void MappingLoop::run_once(Duration longest) {
     }
   }
   keep_session();
-  if (const auto wanted = corrected_map_.wanted()) {
+  if (const auto wanted = corrected_map_.wanted(stage_.epoch())) {
     write_map(*wanted);
   }
   send_submaps(clock_.now());
@@ -97,7 +97,8 @@ void MappingLoop::keep_session() {
   const Stamp now = clock_.now();
   keeper_.attend(stage_.mapper(), now);
   const bool has_fault = !keeper_.fault().empty();
-  if (has_fault != told_fault_) {
+  // Where the map begins anew there is no session and no fault for a while: nothing is written again yet.
+  if (has_fault != told_fault_ && (has_fault || !keeper_.session().empty())) {
     told_fault_ = has_fault;
     events_.write(now, has_fault ? Event::kSessionFault : Event::kSessionGoesOn);
   }

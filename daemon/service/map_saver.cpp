@@ -16,7 +16,8 @@ std::string MapSaver::begin(std::uint64_t command_id, const std::string& name, c
   if (is_busy()) {
     return "another save is under way";
   }
-  if (pipeline_.odometry().counts().epoch != pipeline_.epoch()) {
+  take_scan_poses();
+  if (epoch_ != pipeline_.epoch()) {
     return "there is no map yet";
   }
   const fs::path whole = directory_ / name;
@@ -29,19 +30,22 @@ std::string MapSaver::begin(std::uint64_t command_id, const std::string& name, c
     fs::create_directories(part);
     job_ = std::make_unique<Job>(Job{command_id, part, whole, T_map_corrected, nullptr, 0, mapping::CorrectedPath({}), {}});
     if (pipeline_.mapping() != nullptr) {
-      pipeline_.want_corrected_map({part / "map.ply", T_map_corrected});
-      return {};
+      pipeline_.want_corrected_map({part / "map.ply", T_map_corrected, epoch_});
+    } else {
+      job_->map = std::make_unique<storage::PlyWriter>(part / "map.ply");
+      pipeline_.want_map();
     }
-    job_->map = std::make_unique<storage::PlyWriter>(part / "map.ply");
   } catch (const std::exception& error) {
+    job_.reset();
+    std::error_code ignored;
+    fs::remove_all(part, ignored);
     return error.what();
   }
-  pipeline_.want_map();
   return {};
 }
 
 std::optional<bus::Reply> MapSaver::run_once() {
-  pipeline_.take_scan_poses([this](const pipeline::ScanPose& pose) { add(pose); });
+  take_scan_poses();
   if (!is_busy()) {
     return std::nullopt;
   }
@@ -65,6 +69,7 @@ bool MapSaver::take_corrected_map() {
   if (!map) {
     return false;
   }
+  take_scan_poses();  // of the scans that the map is of
   job_->points = map->points;
   job_->fault = map->epoch != epoch_ ? "the map has begun anew meanwhile" : map->fault;
   job_->path = mapping::CorrectedPath(std::move(map->path));
@@ -98,6 +103,10 @@ bus::Reply MapSaver::finish(Job& job) {
   }
   return bus::Reply{job.command_id, true,
                     job.whole.string() + ": " + std::to_string(job.points) + " points, " + std::to_string(trajectory_odom_.size()) + " poses"};
+}
+
+void MapSaver::take_scan_poses() {
+  pipeline_.take_scan_poses([this](const pipeline::ScanPose& pose) { add(pose); });
 }
 
 void MapSaver::add(const pipeline::ScanPose& pose) {

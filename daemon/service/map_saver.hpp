@@ -49,6 +49,7 @@ class MapSaver {
     std::string fault;
   };
 
+  void take_scan_poses();
   void add(const pipeline::ScanPose& pose);
   bool take_corrected_map();
   bool take_local_map();

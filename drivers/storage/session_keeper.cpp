@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <ctime>
 #include <stdexcept>
+#include <tuple>
 
 namespace slamd::storage {
 
@@ -13,28 +14,26 @@ namespace {
 constexpr Duration kSyncPeriod = std::chrono::seconds(1);
 constexpr Duration kRetryPeriod = std::chrono::seconds(10);
 constexpr std::size_t kNameLength = 16;  // of the time; a second session of one second has "-2" behind it
+constexpr std::uint64_t kNextToNothing_bytes = 64'000;  // two or three keyframes
 
-std::uint64_t size_of(const fs::path& folder) {
-  std::uint64_t bytes = 0;
+/// Calls visit(entry) for what is in a folder, as far as that can be read. Does not throw, as the iterator's ++ does.
+template <typename Visit>
+void for_each_in(const fs::path& folder, Visit&& visit) {
   std::error_code error;
-  for (const auto& entry : fs::directory_iterator(folder, error)) {
-    if (is_segment_name(entry.path())) {
-      const std::uintmax_t size = entry.file_size(error);
-      bytes += error ? 0 : size;
-    }
+  for (fs::directory_iterator entry(folder, error); !error && entry != fs::directory_iterator(); entry.increment(error)) {
+    visit(*entry);
   }
-  return bytes;
 }
 
 /// Takes a session's files away, and its folder if nothing else is in it.
 void remove_session(const fs::path& folder) {
-  std::error_code error;
   std::vector<fs::path> files;
-  for (const auto& entry : fs::directory_iterator(folder, error)) {
+  for_each_in(folder, [&](const fs::directory_entry& entry) {
     if (is_segment_name(entry.path())) {
       files.push_back(entry.path());
     }
-  }
+  });
+  std::error_code error;
   for (const fs::path& file : files) {
     fs::remove(file, error);
   }
@@ -63,6 +62,14 @@ bool is_session_name(const fs::path& folder) {
     }
   }
   return name.size() != kNameLength + 1;
+}
+
+SessionLimits limits_of(const SessionKeeping& keeping) {
+  SessionLimits limits{.quota_bytes = keeping.quota_bytes};
+  if (keeping.quota_bytes > 0) {  // only files that are done can go: the one that is written is a small part of all
+    limits.segment_bytes = std::clamp(keeping.quota_bytes / 8, std::min(keeping.least_segment_bytes, limits.segment_bytes), limits.segment_bytes);
+  }
+  return limits;
 }
 
 SessionKeeper::SessionKeeper(SessionKeeping keeping) : keeping_(std::move(keeping)) {}
@@ -126,11 +133,11 @@ bool SessionKeeper::begin(Stamp now) {
     folder = keeping_.folder / (name + "-" + std::to_string(again));
   }
   while (!others_.empty() && others_.size() + 1 > keeping_.sessions) {
-    remove_oldest();
+    remove_first();
   }
   try {
     const auto number = static_cast<std::uint64_t>(now.time_since_epoch().count());
-    recorder_.emplace(folder, SessionBegin{number, 0, keeping_.sensor, keeping_.software}, SessionLimits{.quota_bytes = keeping_.quota_bytes});
+    recorder_.emplace(folder, SessionBegin{number, 0, keeping_.sensor, keeping_.software}, limits_of(keeping_));
   } catch (const std::exception& failure) {
     fault_ = failure.what();
     fs::remove(folder, error);  // if nothing is in it
@@ -144,13 +151,33 @@ bool SessionKeeper::begin(Stamp now) {
 
 void SessionKeeper::look_for_others() {
   others_.clear();
-  std::error_code error;
-  for (const auto& entry : fs::directory_iterator(keeping_.folder, error)) {
+  for_each_in(keeping_.folder, [&](const fs::directory_entry& entry) {
+    std::error_code error;
     if (entry.is_directory(error) && !entry.is_symlink(error) && is_session_name(entry.path())) {
-      others_.push_back({entry.path(), size_of(entry.path())});
+      others_.push_back(look_at(entry.path()));
     }
-  }
-  std::sort(others_.begin(), others_.end(), [](const Other& a, const Other& b) { return a.folder < b.folder; });
+  });
+  const auto rank = [](const Other& other) {
+    return std::tuple(other.bytes >= kNextToNothing_bytes, other.written, other.folder.native().size(), other.folder.native());
+  };
+  std::sort(others_.begin(), others_.end(), [&](const Other& a, const Other& b) { return rank(a) < rank(b); });
+}
+
+SessionKeeper::Other SessionKeeper::look_at(const fs::path& folder) {
+  Other other{folder, 0, fs::file_time_type::min()};
+  for_each_in(folder, [&](const fs::directory_entry& entry) {
+    if (!is_segment_name(entry.path())) {
+      return;
+    }
+    std::error_code error;
+    if (const std::uintmax_t bytes = entry.file_size(error); !error) {
+      other.bytes += bytes;
+    }
+    if (const fs::file_time_type written = entry.last_write_time(error); !error) {
+      other.written = std::max(other.written, written);
+    }
+  });
+  return other;
 }
 
 void SessionKeeper::make_room() {
@@ -162,11 +189,11 @@ void SessionKeeper::make_room() {
     return bytes;
   };
   while (keeping_.quota_bytes > 0 && !others_.empty() && all() > keeping_.quota_bytes) {
-    remove_oldest();
+    remove_first();
   }
 }
 
-void SessionKeeper::remove_oldest() {
+void SessionKeeper::remove_first() {
   remove_session(others_.front().folder);
   others_.erase(others_.begin());
   ++removed_;

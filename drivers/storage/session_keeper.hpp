@@ -16,6 +16,7 @@ struct SessionKeeping {
   std::filesystem::path folder;       // of all sessions; empty: none is kept
   std::uint64_t quota_bytes = 0;      // of all sessions together; 0: none
   std::size_t sessions = 10;          // at most, the one that is written among them
+  std::uint64_t least_segment_bytes = 1'000'000;  // a small quota does not make files smaller than that
   std::string sensor;
   std::string software;
 };
@@ -26,9 +27,13 @@ std::string session_name(Stamp begun);
 /// Tells whether a folder is named as a session of a keeper: nothing else is ever taken away.
 bool is_session_name(const std::filesystem::path& folder);
 
+/// Returns what the session that is written is held to: its files are an eighth of the quota at most.
+SessionLimits limits_of(const SessionKeeping& keeping);
+
 /// Keeps the sessions of a mapper in a folder, one a map: begins one with the first keyframe, brings it to the disk once a
-/// second, and makes room by taking the oldest ones away.
-/// At the quota the oldest of the other sessions goes first, and where there is none the oldest file of its own. Where nothing can
+/// second, and makes room by taking others away: first those that hold next to nothing, as each start that soon ends leaves one, then
+/// those whose last file was written longest ago.
+/// At the quota the others go first, and where there is none the oldest file of its own. Where nothing can
 /// be written, fault() says why; it is tried again every ten seconds, and what the session lacks then is written.
 /// Threads: the mapper's; may block on the disk. Never throws.
 class SessionKeeper {
@@ -61,18 +66,20 @@ class SessionKeeper {
   struct Other {
     std::filesystem::path folder;
     std::uint64_t bytes = 0;
+    std::filesystem::file_time_type written;  // last
   };
 
   bool begin(Stamp now);
   void look_for_others();
+  static Other look_at(const std::filesystem::path& folder);
   void make_room();
-  void remove_oldest();
+  void remove_first();
 
   SessionKeeping keeping_;
   std::optional<SessionRecorder> recorder_;
   std::filesystem::path session_;
   Stamp begun_{};
-  std::vector<Other> others_;  // the oldest first
+  std::vector<Other> others_;  // in the order in which they go
   std::uint64_t removed_ = 0;
   std::string fault_;
   bool lacks_ = false;  // the session does not hold all of the map

@@ -38,11 +38,8 @@ SessionWriter::SessionWriter(const fs::path& folder, const SessionBegin& begin, 
   std::error_code error;
   fs::create_directories(folder_, error);
   if (!error) {
-    for (const auto& entry : fs::directory_iterator(folder_, error)) {
-      if (is_segment_name(entry.path())) {
-        fs::remove(entry.path(), error);
-      }
-      if (error) {
+    for (fs::directory_iterator entry(folder_, error); !error && entry != fs::directory_iterator(); entry.increment(error)) {
+      if (is_segment_name(entry->path()) && !fs::remove(entry->path(), error) && error) {
         break;
       }
     }
@@ -82,6 +79,7 @@ void SessionWriter::close() {
 bool SessionWriter::retry() {
   if (!fault_.empty()) {
     close_segment();
+    remove_empty_segment();
     fault_.clear();
     open_segment();
   }
@@ -92,7 +90,7 @@ bool SessionWriter::append(SessionRecord kind, const RecordBytes& payload) {
   bool written = false;
   if (fd_ >= 0 && fault_.empty() && payload.size() <= RecordFrame::kMaxPayload) {
     const std::size_t bytes = RecordFrame{kind, 0, payload}.bytes();
-    if (segment_bytes_ + bytes > limits_.segment_bytes && kind != SessionRecord::kEnd) {
+    if (segment_bytes_ + bytes > limits_.segment_bytes && segment_records_ > 1 && kind != SessionRecord::kEnd) {
       close_segment();
       if (fault_.empty()) {
         open_segment();
@@ -122,6 +120,7 @@ bool SessionWriter::append_bytes(const RecordBytes& bytes) {
     written += static_cast<std::size_t>(count);
   }
   segment_bytes_ += bytes.size();
+  ++segment_records_;
   bytes_ += bytes.size();
   keep_quota();
   return true;
@@ -135,6 +134,7 @@ bool SessionWriter::open_segment() {
     return false;
   }
   segment_bytes_ = 0;
+  segment_records_ = 0;
   const RecordBytes payload = payload_of(begin_);
   ++begin_.segment;
   if (append_bytes(framed({SessionRecord::kBegin, next_number_++, payload}))) {
@@ -157,6 +157,21 @@ void SessionWriter::close_segment() {
     }
     fd_ = -1;
     closed_.push_back({folder_ / segment_name(begin_.segment - 1), segment_bytes_});
+  }
+}
+
+/// Takes the last file away, which is closed, if it says nothing but that it begins.
+void SessionWriter::remove_empty_segment() {
+  if (segment_records_ != 1 || closed_.empty()) {
+    return;
+  }
+  std::error_code error;
+  if (fs::remove(closed_.back().file, error)) {
+    bytes_ -= closed_.back().bytes;
+    closed_.pop_back();
+    --begin_.segment;
+    --next_number_;  // the begin's: all that came after it was dropped, and a reader misses as many as that
+    segment_records_ = 0;
   }
 }
 

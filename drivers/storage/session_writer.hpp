@@ -11,7 +11,7 @@
 namespace slamd::storage {
 
 struct SessionLimits {
-  std::uint64_t segment_bytes = 64U << 20U;  // a new file is begun then
+  std::uint64_t segment_bytes = 64U << 20U;  // a new file is begun then; a record that is larger has one to itself
   std::uint64_t quota_bytes = 0;             // of the whole session; 0: none
 };
 
@@ -50,7 +50,7 @@ class SessionWriter {
   /// Why nothing can be written; empty: it can.
   const std::string& fault() const { return fault_; }
 
-  /// Tries to go on after a fault, in a new file. Returns whether it could.
+  /// Tries to go on after a fault, in a new file. Returns whether it could. Where nothing was written since the last try, its file goes.
   bool retry();
 
   std::uint64_t dropped_records() const { return dropped_records_; }
@@ -67,6 +67,7 @@ class SessionWriter {
   bool append_bytes(const RecordBytes& bytes);
   bool open_segment();
   void close_segment();
+  void remove_empty_segment();
   void keep_quota();
   void fail(const std::string& what);
 
@@ -75,6 +76,7 @@ class SessionWriter {
   SessionLimits limits_;
   int fd_ = -1;
   std::uint64_t segment_bytes_ = 0;  // of the open one
+  std::uint32_t segment_records_ = 0;  // likewise, the begin among them
   std::uint64_t bytes_ = 0;          // of all that are there
   std::uint32_t next_number_ = 0;
   std::deque<Closed> closed_;

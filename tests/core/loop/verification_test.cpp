@@ -126,6 +126,16 @@ TEST_F(LoopVerifierTest, RefusesAPoseWhereOneCloudHasLookedThroughTheOther) {
   EXPECT_EQ(view.seen_through(far_wall, pose_at(20.0, 0.0, 0.0, 0.0)).share(), 0.0) << "behind what was seen anything may be";
 }
 
+TEST(SeenThrough, LetsOneStrayPointInASmallFieldWeighLittleAmongModes) {
+  const VerificationConfig config;
+  const auto share = [&](std::size_t in_field, std::size_t through) { return SeenThrough{in_field, through}.share_of_at_least(config.sight_points); };
+
+  EXPECT_EQ(share(49, 49), 0.0);
+  EXPECT_GT(std::exp(-share(50, 1) / config.sight_scale), config.ambiguity_score) << "two modes that fit as well stay two";
+  EXPECT_LT(std::exp(-share(50, 5) / config.sight_scale), 0.5);
+  EXPECT_EQ(share(1'000, 20), 0.02);
+}
+
 /// A corridor of two walls and a floor, a forest of equal shelves between them if wanted.
 std::vector<Eigen::Vector3f> corridor(double shelf_every_m, double shift_m) {
   std::vector<Eigen::Vector3f> points;

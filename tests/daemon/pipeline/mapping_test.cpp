@@ -38,8 +38,9 @@ struct Mapping : scratch::ScratchFolder {
   }
 
   /// A scan of a drive along x, as publish hands it over.
-  void hand_over(int number) {
+  void hand_over(int number, std::uint32_t epoch = 1) {
     MapScan scan;
+    scan.scan.epoch = epoch;
     scan.scan.stamp = Stamp{} + number * std::chrono::milliseconds(100);
     scan.scan.trusted = true;
     scan.scan.T_odom_base = scan.scan.T_odom_imu = scan.scan.motion.T_odom_base = at(0.5 * number, 0.0);
@@ -136,7 +137,7 @@ TEST_F(Mapping, WritesTheCorrectedMapWhenAsked) {
   }
   EXPECT_FALSE(sut.corrected_map().take());
 
-  sut.corrected_map().want({folder_ / "map.ply", at(100.0, 0.0)});
+  sut.corrected_map().want({folder_ / "map.ply", at(100.0, 0.0), 1});
   sut.run_once(Duration{});
 
   const auto map = sut.corrected_map().take();
@@ -145,6 +146,60 @@ TEST_F(Mapping, WritesTheCorrectedMapWhenAsked) {
   EXPECT_EQ(map->path.size(), sut.counts().keyframes);
   EXPECT_GE(map->points, sut.counts().keyframes);
   EXPECT_FALSE(sut.corrected_map().take()) << "once";
+}
+
+TEST_F(Mapping, WritesNoMapButTheOneThatIsWanted) {
+  MappingLoop sut(small_mapper(), {}, clock, rings, publisher);
+  hand_over(0);
+  sut.run_once(Duration{});
+
+  sut.corrected_map().want({folder_ / "map.ply", Se3(), 2});
+  sut.run_once(Duration{});
+  EXPECT_FALSE(sut.corrected_map().take()) << "it has yet to come to that odom";
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "map.ply"));
+  hand_over(1, 2);
+  sut.run_once(Duration{});
+
+  const auto map = sut.corrected_map().take();
+  ASSERT_TRUE(map);
+  EXPECT_EQ(map->epoch, 2U);
+  hand_over(2, 3);
+  sut.run_once(Duration{});
+  sut.corrected_map().want({folder_ / "map.ply", Se3(), 2});
+  sut.run_once(Duration{});
+  const auto late = sut.corrected_map().take();
+  ASSERT_TRUE(late) << "it will never come again";
+  EXPECT_EQ(late->epoch, 3U);
+}
+
+TEST_F(Mapping, SaysThatTheSessionIsWrittenAgainOnlyWhenItIs) {
+  storage::SessionKeeping keeping;
+  keeping.folder = write("sessions", "a file in the folder's place");
+  MappingLoop sut(small_mapper(), keeping, clock, rings, publisher);
+  const auto events = [&sut] {
+    std::vector<threads::Event> all;
+    while (const auto record = sut.events().try_read()) {
+      all.push_back(record->event);
+    }
+    return all;
+  };
+  for (int i = 0; i < 60; ++i) {
+    hand_over(i);
+    sut.run_once(Duration{});
+  }
+  EXPECT_EQ(events(), std::vector<threads::Event>{threads::Event::kSessionFault});
+
+  hand_over(60, 2);  // new-map
+  sut.run_once(Duration{});
+  EXPECT_EQ(sut.counts().keyframes, 0U);
+  EXPECT_EQ(events(), std::vector<threads::Event>{});
+  std::filesystem::remove(keeping.folder);
+  for (int i = 61; i < 120; ++i) {
+    hand_over(i, 2);
+    sut.run_once(Duration{});
+  }
+
+  EXPECT_EQ(events(), (std::vector<threads::Event>{threads::Event::kSessionGoesOn, threads::Event::kSessionBegun}));
 }
 
 TEST_F(Mapping, PutsOdomWhereACommandAndMappingHaveIt) {

@@ -34,6 +34,21 @@ class SessionKeeperTest : public scratch::ScratchFolder {
     return names;
   }
 
+  std::uint64_t bytes_of_all() const {
+    std::uint64_t bytes = 0;
+    for (const auto& entry : fs::recursive_directory_iterator(folder_ / "sessions")) {
+      bytes += entry.is_regular_file() ? entry.file_size() : 0;
+    }
+    return bytes;
+  }
+
+  /// Makes a session of another day, last written so many hours ago.
+  void make_other(const std::string& name, std::uint64_t bytes, int hours_ago) const {
+    const fs::path file = write(fs::path("sessions") / name / segment_name(0), "");
+    fs::resize_file(file, bytes);
+    fs::last_write_time(file, fs::file_time_type::clock::now() - std::chrono::hours(hours_ago));
+  }
+
   void expect_is_the_map(const fs::path& session) const {
     const Session read = read_session(session);
     ASSERT_EQ(read.keyframes.size(), mapper_.keyframes().size());
@@ -84,6 +99,7 @@ TEST_F(SessionKeeperTest, KeepsAllSessionsWithinTheQuota) {
     SessionKeeper before(keeping());
     drive(before, 40, at(0));
     little.quota_bytes = before.bytes() * 6 / 5;
+    little.least_segment_bytes = 1'000;
     before.close();
     mapper_.restart();
   }
@@ -94,6 +110,51 @@ TEST_F(SessionKeeperTest, KeepsAllSessionsWithinTheQuota) {
   }
 
   EXPECT_EQ(sessions(), std::vector<std::string>{session_name(at(1))});
+  EXPECT_LE(bytes_of_all(), little.quota_bytes);
+  EXPECT_GT(bytes_of_all(), little.quota_bytes / 2);
+  EXPECT_EQ(bytes_of_all(), sut.bytes());
+  EXPECT_EQ(read_session(sut.session()).keyframes.back().id, mapper_.keyframes()[mapper_.keyframes().size() - 1].id);
+}
+
+TEST_F(SessionKeeperTest, WritesFilesThatAreSmallByTheQuota) {
+  SessionKeeping some = keeping();
+  EXPECT_EQ(limits_of(some).segment_bytes, 64U << 20U);
+  some.quota_bytes = 2'000'000'000;
+  EXPECT_EQ(limits_of(some).segment_bytes, 64U << 20U);
+  some.quota_bytes = 10'000'000;
+  EXPECT_EQ(limits_of(some).segment_bytes, 1'250'000U);
+  EXPECT_EQ(limits_of(some).quota_bytes, 10'000'000U);
+  some.quota_bytes = 1;
+  EXPECT_EQ(limits_of(some).segment_bytes, 1'000'000U);
+}
+
+TEST_F(SessionKeeperTest, TakesStartsThatSoonEndedAwayBeforeAnyMap) {
+  SessionKeeping keeping_three = keeping();
+  keeping_three.sessions = 3;
+  make_other("20260101T000000Z", 5'000'000, 9);
+  make_other("20260102T000000Z", 5'000'000, 8);
+  for (int restart = 0; restart < 10; ++restart) {
+    SessionKeeper sut(keeping_three);
+    drive(sut, 8, at(restart));
+    EXPECT_GT(sut.bytes(), 0U);
+    mapper_.restart();
+  }
+
+  EXPECT_EQ(sessions(), (std::vector<std::string>{"20260101T000000Z", "20260102T000000Z", session_name(at(9))}));
+}
+
+TEST_F(SessionKeeperTest, TakesTheMapAwayThatWasWrittenLongestAgoWhateverItsName) {
+  SessionKeeping keeping_three = keeping();
+  keeping_three.sessions = 3;
+  make_other("20260101T000000Z", 1'000'000, 1);  // begun while the clock was not set
+  make_other("20260303T000000Z-2", 1'000'000, 5);
+  make_other("20260303T000000Z-10", 1'000'000, 4);
+  SessionKeeper sut(keeping_three);
+
+  drive(sut, 20, at(0));
+
+  EXPECT_EQ(sut.removed(), 1U);
+  EXPECT_EQ(sessions(), (std::vector<std::string>{"20260101T000000Z", "20260303T000000Z-10", session_name(at(0))}));
 }
 
 TEST_F(SessionKeeperTest, WritesWhatAFullDiskHasDropped) {

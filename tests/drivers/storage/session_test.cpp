@@ -11,6 +11,7 @@
 #include <random>
 
 #include "core/base/bytes.hpp"
+#include "tests/drivers/storage/full_disk.hpp"
 #include "tests/scratch/scratch_folder.hpp"
 
 namespace slamd::storage {
@@ -346,13 +347,50 @@ TEST_F(SessionTest, LeavesNoFilesBehindWhileTheDiskStaysFull) {
   }
   setrlimit(RLIMIT_FSIZE, &before);
 
-  EXPECT_EQ(std::distance(fs::directory_iterator(folder_), fs::directory_iterator()), 1);
+  EXPECT_TRUE(fs::is_empty(folder_));
   EXPECT_TRUE(writer.retry());
   writer.write(made_keyframe(1));
   writer.close();
   const Session sut = read_session(folder_);
   EXPECT_EQ(ids_of(sut), (std::vector<graph::KeyframeId>{1}));
   EXPECT_EQ(sut.lost_records, 1U);
+}
+
+TEST_F(SessionTest, LeavesOneFileBehindWhereTheDiskHasRoomForItsBeginAlone) {
+  SessionWriter writer(folder_, kBegin, {});
+  writer.write(made_keyframe(0, 100));
+  const std::uint64_t bytes = writer.bytes();
+  {
+    const FullDisk full(300);
+    for (int i = 0; i < 10; ++i) {
+      writer.write(made_keyframe(1, 100));
+      EXPECT_TRUE(writer.retry());
+    }
+  }
+
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder_), fs::directory_iterator()), 2);
+  EXPECT_LT(writer.bytes(), bytes + 300);
+  writer.write(made_keyframe(2, 100));
+  writer.close();
+  const Session sut = read_session(folder_);
+  EXPECT_EQ(ids_of(sut), (std::vector<graph::KeyframeId>{0, 2}));
+  EXPECT_EQ(sut.segments, 2U);
+  EXPECT_TRUE(sut.damage.empty());
+  EXPECT_EQ(sut.lost_records, 10U);
+}
+
+TEST_F(SessionTest, GivesARecordThatIsLargerThanAFileOneToItself) {
+  {
+    SessionWriter writer(folder_, kBegin, {.segment_bytes = 1'000});
+    for (graph::KeyframeId id = 0; id < 3; ++id) {
+      writer.write(made_keyframe(id, 500));
+    }
+  }
+
+  const Session sut = read_session(folder_);
+
+  EXPECT_EQ(ids_of(sut), (std::vector<graph::KeyframeId>{0, 1, 2}));
+  EXPECT_EQ(sut.segments, 3U);
 }
 
 TEST_F(SessionTest, TakesNothingOfAnotherSessionsFiles) {
