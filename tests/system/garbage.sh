@@ -32,7 +32,8 @@ begin() {
 }
 begin VELO vlp16 2368 '[imu]\nsource = "udp"\nport = 7501\n'
 begin AVIA livox_avia 56001 "[imu]\nsource = \"serial\"\ndevice = \"$scratch/imu\"\n"
-sleep 2
+listens "$scratch/VELO/slamd.log"
+listens "$scratch/AVIA/slamd.log"
 
 # Good packets, for ever: the sensor's address gets pinned, and what is damaged gets past the first checks.
 good() { while :; do on_sensor "$bin/slamd-replay" --to-network "$@" >/dev/null 2>&1 || break; done; }

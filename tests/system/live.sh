@@ -31,7 +31,8 @@ live() {
   (sleep $((seconds / 2)); exec ip netns exec slamd_host "$bin/../tests/map_watch" "$url" SLAMD 5) >"$work/late.json" &
   clients+=("$!")
   pids+=("${clients[@]}")
-  sleep 1
+  listens "$work/slamd.log"
+  sleep 0.5
   local feed=()
   [ "$imu" = udp ] && feed=(--imu-to udp:10.77.0.1:7501)
   if sent=$(on_sensor "$bin/slamd-replay" --to-network 10.77.0.1 "${feed[@]}" --json "$work/drive"); then
@@ -126,7 +127,8 @@ come_and_go() {
   ip netns exec slamd_host "$bin/slamd-status" --json --prefix COME >"$work/status.log" &
   listener=$!
   pids+=("$daemon" "$listener")
-  sleep 0.7
+  listens "$work/slamd.log"
+  sleep 0.3
   cause_is "a sensor that is absent at the start" 'vlp16: nothing received yet; imu: nothing received yet'
   refuses_ "a save before there is a map" 'there is no map yet' save early
   refuses_ "a set-pose before there is a pose" 'there is no pose yet' set-pose 1 2 0 90
@@ -191,10 +193,10 @@ come_and_go
 
 # A second daemon finds the port taken, and says by whom.
 printf '[[lidar]]\nmodel = "vlp16"\n' >"$scratch/lone.toml"
-ip netns exec slamd_host "$bin/slamd" --config "$scratch/lone.toml" 2>/dev/null &
+ip netns exec slamd_host "$bin/slamd" --config "$scratch/lone.toml" 2>"$scratch/lone.log" &
 first=$!
 pids+=("$first")
-sleep 0.7
+listens "$scratch/lone.log"
 text=$(on_host timeout 10 "$bin/slamd" --config "$scratch/lone.toml" --set lcm.prefix=OTHER 2>&1)
 code=$?
 if [ "$code" -eq 1 ] && [[ "$text" == *2368* && "$text" == *"pid $first"* ]]; then
@@ -203,9 +205,9 @@ else
   fail "a port that is taken: exit $code, says '$text'"
 fi
 # Two daemons, two prefixes, two ports: side by side.
-ip netns exec slamd_host "$bin/slamd" --config "$scratch/lone.toml" --set lcm.prefix=OTHER --set lidar.port=2369 --set lidar.position_port=8309 2>/dev/null &
+ip netns exec slamd_host "$bin/slamd" --config "$scratch/lone.toml" --set lcm.prefix=OTHER --set lidar.port=2369 --set lidar.position_port=8309 2>"$scratch/other.log" &
 pids+=("$!")
-sleep 0.7
+listens "$scratch/other.log"
 on_host "$bin/slamd-status" --once --prefix OTHER >"$scratch/other.txt"
 if [ $? -eq 3 ] && grep -q 'nothing received yet' "$scratch/other.txt"; then
   pass "a second daemon with a prefix of its own says that it waits for its sensor"

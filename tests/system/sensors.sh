@@ -141,6 +141,7 @@ sending=$!
 pids+=("$sending")
 for _ in $(seq 50); do [ -e "$scratch/mip" ] && break; sleep 0.1; done
 start_daemon slamd_host "[[lidar]]\nmodel = \"vlp16\"\n[imu]\nsource = \"serial\"\nprotocol = \"mip\"\ndevice = \"$scratch/mip\"\n"
+listens "$scratch/slamd.log"
 sleep 0.7
 look 2.5 --serial "$scratch/mip"
 says "a serial line that is held is named with its holder" "$scratch/mip: is held by slamd \(pid $daemon\), and left to it"

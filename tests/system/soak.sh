@@ -44,7 +44,7 @@ soak() {
     "$bin/slamd" --config "$work/slamd.toml" --set "imu.source=$imu" 2>"$work/slamd.log" &
   daemon=$!
   pids+=("$daemon")
-  sleep 1
+  listens "$work/slamd.log"
   local feed=()
   [ "$imu" = udp ] && feed=(--imu-to udp:10.77.0.1:7501)
   sent=$(on_sensor "$bin/slamd-replay" --to-network 10.77.0.1 "${feed[@]}" --json "$drive") || fail "$lidar: the drive was re-sent"

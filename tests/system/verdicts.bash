@@ -21,6 +21,12 @@ check() {
   fi
 }
 
+# listens LOG: waits until the daemon that writes this log listens; a loaded machine takes a second or two.
+listens() {
+  for _ in $(seq 200); do grep -q ' listening for ' "$1" 2>/dev/null && return; sleep 0.1; done
+  fail "slamd listens within 20 s: $(tail -n 2 "$1")"
+}
+
 # refuses WHAT CODE PATTERN COMMAND...: the command ends with CODE, prints nothing on standard output and exactly one
 # line on standard error, which matches the extended regular expression.
 refuses() {
