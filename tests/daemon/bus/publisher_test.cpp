@@ -68,6 +68,9 @@ TEST(Publisher, SaysWhatIsWrongWithAUrlThatLeadsNowhere) {
 }
 
 TEST(Connection, SaysThatItCannotListen) {
+  if (!support::allocation_guard_available()) {
+    GTEST_SKIP() << "a sanitizer sees the two bytes that LCM itself loses when it refuses";
+  }
   Connection sut("memq://");
 
   EXPECT_THROW(sut.subscribe("(", [](auto) {}), BusError) << "for LCM a channel is a regular expression";
