@@ -77,7 +77,9 @@ void Pipeline::run(const char* name, int priority, Loop& loop) {
 void Pipeline::start() {
   stopping_ = false;
   heartbeats_.clear();
-  publisher_.publish(bus::MapToOdom{});  // LCM allocates its locks with its first message: before the threads start
+  // LCM allocates its locks with a connection's first message: before the threads start.
+  publisher_.publish(bus::MapToOdom{});
+  ordinary_publisher_.publish(bus::MapToOdom{});
   // What is nearest to the sensors goes first: a packet that is not fetched is lost, a scan can wait.
   run("slamd-odometry", 0, odometry_);
   run("slamd-preproc", 1, preprocess_);
