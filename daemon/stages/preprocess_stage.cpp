@@ -182,7 +182,7 @@ bool PreprocessStage::process(const sensor::Scan& scan, PreprocessedScan& out) {
     return false;
   }
   note_lateness(scan);
-  if (scan.end <= reached_) {
+  if (sequence_ != first_.sequence && scan.end <= reached_) {  // an epoch's first scan may end at any time, 0 among them
     return false;
   }
   const double begin_ms = thread_cpu_ms();
