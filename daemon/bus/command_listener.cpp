@@ -30,7 +30,7 @@ void CommandListener::take(std::span<const std::byte> message) {
     ++counters_.malformed;
     return;
   }
-  if (!within_limit(now_)) {
+  if (!limit_.admits(now_)) {
     ++counters_.limited;
     return;
   }
@@ -53,17 +53,6 @@ void CommandListener::take(std::span<const std::byte> message) {
   }
   ++counters_.accepted;
   taken_ = std::move(command);
-}
-
-bool CommandListener::within_limit(Clock::time_point now) {
-  const double passed_s = filled_ == Clock::time_point{} ? 0.0 : to_seconds(now - filled_);
-  tokens_ = std::min<double>(kBurst, tokens_ + kPerSecond * passed_s);
-  filled_ = now;
-  if (tokens_ < 1.0) {
-    return false;
-  }
-  tokens_ -= 1.0;
-  return true;
 }
 
 void CommandListener::answer(const Reply& reply) {

@@ -11,6 +11,7 @@
 #include "daemon/bus/channels.hpp"
 #include "daemon/bus/connection.hpp"
 #include "daemon/bus/messages.hpp"
+#include "daemon/bus/rate_limit.hpp"
 
 namespace slamd::bus {
 
@@ -59,7 +60,6 @@ class CommandListener {
   };
 
   void take(std::span<const std::byte> message);
-  bool within_limit(Clock::time_point now);
   void send(const Reply& reply);
 
   Channels channels_;
@@ -69,8 +69,7 @@ class CommandListener {
   std::array<std::optional<Known>, 16> known_;  // the newest ids, round and round
   std::size_t next_known_ = 0;
   Clock::time_point now_{};
-  Clock::time_point filled_{};  // when tokens_ was right
-  double tokens_ = kBurst;
+  RateLimit limit_{kBurst, kPerSecond};
 };
 
 }  // namespace slamd::bus

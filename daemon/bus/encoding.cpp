@@ -15,6 +15,7 @@
 #include <slamd_lcm/velocity_command_t.hpp>
 
 #include "core/base/bytes.hpp"
+#include "daemon/bus/raw_message.hpp"
 
 namespace slamd::bus {
 
@@ -60,18 +61,6 @@ class Walk {
   std::size_t at_ = 0;
   bool inside_;
 };
-
-template <typename Message>
-std::size_t write(const Message& message, std::span<std::byte> buffer) {
-  const int size = message.encode(buffer.data(), 0, static_cast<int>(buffer.size()));
-  return size < 0 ? 0 : static_cast<std::size_t>(size);
-}
-
-template <typename Message>
-bool read(std::span<const std::byte> bytes, Message& message) {
-  return bytes.size() <= kLargestMessage_bytes &&
-         message.decode(bytes.data(), 0, static_cast<int>(bytes.size())) == static_cast<int>(bytes.size());
-}
 
 void write_transform(const geometry::Se3& T, double (&position_m)[3], double (&quaternion_xyzw)[4]) {
   const Eigen::Quaterniond q = T.quaternion();
@@ -135,12 +124,12 @@ std::size_t encode(const Pose& pose, std::span<std::byte> buffer) {
   message.state = static_cast<std::uint8_t>(pose.state);
   message.cause = static_cast<std::uint8_t>(pose.cause);
   message.weak_axes = pose.weak_axes;
-  return write(message, buffer);
+  return write_raw(message, buffer);
 }
 
 std::optional<Pose> decode_pose(std::span<const std::byte> bytes) {
   slamd_lcm::pose_t message;
-  if (!read(bytes, message)) {
+  if (!read_raw(bytes, message)) {
     return std::nullopt;
   }
   const auto T_odom_base = read_transform(message.position_odom_m, message.quaternion_odom_base);
@@ -171,12 +160,12 @@ std::size_t encode(const MapToOdom& map_to_odom, std::span<std::byte> buffer) {
   write_transform(map_to_odom.T_map_odom, message.position_map_m, message.quaternion_map_odom);
   message.correction_id = static_cast<std::int32_t>(map_to_odom.correction_id);
   message.cause = static_cast<std::uint8_t>(map_to_odom.cause);
-  return write(message, buffer);
+  return write_raw(message, buffer);
 }
 
 std::optional<MapToOdom> decode_map_to_odom(std::span<const std::byte> bytes) {
   slamd_lcm::map_to_odom_t message;
-  if (!read(bytes, message)) {
+  if (!read_raw(bytes, message)) {
     return std::nullopt;
   }
   const auto T_map_odom = read_transform(message.position_map_m, message.quaternion_map_odom);
@@ -207,12 +196,12 @@ std::size_t encode(const SubmapPoses& submap_poses, std::span<std::byte> buffer)
     Eigen::Vector3d::Map(out.position_map_m) = submap.T_map_submap.translation();
     Eigen::Vector4f::Map(out.quaternion_map_submap) = submap.T_map_submap.quaternion().coeffs().cast<float>();
   }
-  return write(message, buffer);
+  return write_raw(message, buffer);
 }
 
 std::optional<SubmapPoses> decode_submap_poses(std::span<const std::byte> bytes) {
   slamd_lcm::submap_poses_t message;
-  if (!read(bytes, message)) {
+  if (!read_raw(bytes, message)) {
     return std::nullopt;
   }
   const auto full = static_cast<std::int16_t>(SubmapPoses::kSubmaps);
@@ -257,12 +246,12 @@ std::size_t encode(const ScanChunk& chunk, std::span<std::byte> buffer) {
     const ScanChunk::Point point = i < chunk.points_cm.size() ? chunk.points_cm[i] : ScanChunk::Point{};
     std::copy(point.begin(), point.end(), message.points_cm[i]);
   }
-  return write(message, buffer);
+  return write_raw(message, buffer);
 }
 
 std::optional<ScanChunk> decode_scan_chunk(std::span<const std::byte> bytes) {
   slamd_lcm::scan_chunk_t message;
-  if (!read(bytes, message)) {
+  if (!read_raw(bytes, message)) {
     return std::nullopt;
   }
   const auto T_odom_base = read_transform(message.position_odom_m, message.quaternion_odom_base);
@@ -404,12 +393,12 @@ std::size_t encode(const Health& health, std::span<std::byte> buffer) {
   fill(health.stages, message.stage_count, message.stages, &write_stage);
   fill(health.pools, message.pool_count, message.pools, &write_pool);
   fill(health.counters, message.counter_count, message.counters, &write_counter);
-  return write(message, buffer);
+  return write_raw(message, buffer);
 }
 
 std::optional<Health> decode_health(std::span<const std::byte> bytes) {
   slamd_lcm::health_t message;
-  if (!strings_stay_inside_health(bytes) || !read(bytes, message)) {
+  if (!strings_stay_inside_health(bytes) || !read_raw(bytes, message)) {
     return std::nullopt;
   }
   const auto state = read_enum(message.state, State::kRelocalising);
@@ -461,7 +450,7 @@ std::size_t encode(const Command& command, std::span<std::byte> buffer) {
   message.verb = command.verb;
   message.argument_count = static_cast<std::uint8_t>(command.arguments.size());
   std::copy(command.arguments.begin(), command.arguments.end(), message.arguments);
-  return write(message, buffer);
+  return write_raw(message, buffer);
 }
 
 std::optional<Command> decode_command(std::span<const std::byte> bytes) {
@@ -473,7 +462,7 @@ std::optional<Command> decode_command(std::span<const std::byte> bytes) {
     walk.skip_string();
   }
   slamd_lcm::command_t message;
-  if (!walk.ends_here() || !read(bytes, message) || message.argument_count > Command::kMaxArguments) {
+  if (!walk.ends_here() || !read_raw(bytes, message) || message.argument_count > Command::kMaxArguments) {
     return std::nullopt;
   }
   return Command{.id = static_cast<std::uint64_t>(message.id),
@@ -486,7 +475,7 @@ std::size_t encode(const Reply& reply, std::span<std::byte> buffer) {
   message.id = static_cast<std::int64_t>(reply.id);
   message.ok = reply.ok ? 1 : 0;
   message.text = reply.text.substr(0, kLongestReply_bytes);
-  return write(message, buffer);
+  return write_raw(message, buffer);
 }
 
 std::optional<Reply> decode_reply(std::span<const std::byte> bytes) {
@@ -494,7 +483,7 @@ std::optional<Reply> decode_reply(std::span<const std::byte> bytes) {
   walk.skip(8 + 1);
   walk.skip_string();
   slamd_lcm::reply_t message;
-  if (!walk.ends_here() || !read(bytes, message)) {
+  if (!walk.ends_here() || !read_raw(bytes, message)) {
     return std::nullopt;
   }
   return Reply{.id = static_cast<std::uint64_t>(message.id), .ok = message.ok != 0, .text = message.text};
@@ -505,12 +494,12 @@ std::size_t encode(const VelocityCommand& command, std::span<std::byte> buffer) 
   message.stamp_ns = ns_of(command.stamp);
   message.v_m_s = command.v_mps;
   message.w_rad_s = command.w_radps;
-  return write(message, buffer);
+  return write_raw(message, buffer);
 }
 
 std::optional<VelocityCommand> decode_velocity_command(std::span<const std::byte> bytes) {
   slamd_lcm::velocity_command_t message;
-  if (!read(bytes, message) || !std::isfinite(message.v_m_s) || !std::isfinite(message.w_rad_s)) {
+  if (!read_raw(bytes, message) || !std::isfinite(message.v_m_s) || !std::isfinite(message.w_rad_s)) {
     return std::nullopt;
   }
   return VelocityCommand{.stamp = stamp_of(message.stamp_ns), .v_mps = message.v_m_s, .w_radps = message.w_rad_s};
@@ -523,12 +512,12 @@ std::size_t encode(const Truth& truth, std::span<std::byte> buffer) {
   Eigen::Vector3d::Map(message.velocity_world_mps) = truth.v_world_base;
   Eigen::Vector3d::Map(message.rate_base_radps) = truth.rate_base_radps;
   message.collisions = static_cast<std::int32_t>(truth.collisions);
-  return write(message, buffer);
+  return write_raw(message, buffer);
 }
 
 std::optional<Truth> decode_truth(std::span<const std::byte> bytes) {
   slamd_lcm::truth_t message;
-  if (!read(bytes, message)) {
+  if (!read_raw(bytes, message)) {
     return std::nullopt;
   }
   const auto T_world_base = read_transform(message.position_world_m, message.quaternion_world_base);

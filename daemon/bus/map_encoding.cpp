@@ -7,7 +7,7 @@
 #include <slamd_lcm/map_request_t.hpp>
 
 #include "core/base/bytes.hpp"
-#include "daemon/bus/messages.hpp"
+#include "daemon/bus/raw_message.hpp"
 
 namespace slamd::bus {
 
@@ -31,12 +31,6 @@ bool counts_fit(std::span<const std::byte> message, std::size_t count_at, std::s
   }
   const auto count = load_be<std::int16_t>(message, count_at);
   return count >= 0 && static_cast<std::size_t>(count) <= most && message.size() == head_bytes + item_bytes * static_cast<std::size_t>(count);
-}
-
-template <typename Message>
-std::size_t write_message(const Message& message, std::span<std::byte> buffer) {
-  const int size = message.encode(buffer.data(), 0, static_cast<int>(buffer.size()));
-  return size < 0 ? 0 : static_cast<std::size_t>(size);
 }
 
 void write_index(const BlockIndex& index, std::int32_t (&out)[3]) {
@@ -69,13 +63,12 @@ std::size_t encode(const MapDelta& delta, std::span<std::byte> buffer) {
   message.byte_count = static_cast<std::int16_t>(delta.payload.size());
   message.bytes.resize(delta.payload.size());
   std::transform(delta.payload.begin(), delta.payload.end(), message.bytes.begin(), [](std::byte byte) { return std::to_integer<std::uint8_t>(byte); });
-  return write_message(message, buffer);
+  return write_raw(message, buffer);
 }
 
 std::optional<MapDelta> decode_map_delta(std::span<const std::byte> bytes) {
   slamd_lcm::map_delta_t message;
-  if (!counts_fit(bytes, kDeltaCountAt, kDeltaHead_bytes, 1, MapDelta::kPayload_bytes) ||
-      message.decode(bytes.data(), 0, static_cast<int>(bytes.size())) != static_cast<int>(bytes.size()) || message.covers_from < 0 ||
+  if (!counts_fit(bytes, kDeltaCountAt, kDeltaHead_bytes, 1, MapDelta::kPayload_bytes) || !read_raw(bytes, message) || message.covers_from < 0 ||
       message.block_count < 0) {
     return std::nullopt;
   }
@@ -109,13 +102,13 @@ std::size_t encode(const MapRequest& request, std::span<std::byte> buffer) {
   for (const occupancy::NumberRange& range : request.ranges) {
     message.ranges.push_back({static_cast<std::int64_t>(range.from), static_cast<std::int64_t>(range.to)});
   }
-  return write_message(message, buffer);
+  return write_raw(message, buffer);
 }
 
 std::optional<MapRequest> decode_map_request(std::span<const std::byte> bytes) {
   slamd_lcm::map_request_t message;
-  if (!counts_fit(bytes, kRequestCountAt, kRequestHead_bytes, kRange_bytes, MapRequest::kRanges) ||
-      message.decode(bytes.data(), 0, static_cast<int>(bytes.size())) != static_cast<int>(bytes.size()) || message.ranges.empty()) {
+  if (!counts_fit(bytes, kRequestCountAt, kRequestHead_bytes, kRange_bytes, MapRequest::kRanges) || !read_raw(bytes, message) ||
+      message.ranges.empty()) {
     return std::nullopt;
   }
   MapRequest request;

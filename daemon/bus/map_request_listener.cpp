@@ -1,9 +1,7 @@
 #include "daemon/bus/map_request_listener.hpp"
 
-#include <algorithm>
 #include <utility>
 
-#include "core/base/stamp.hpp"
 #include "daemon/bus/channels.hpp"
 #include "daemon/bus/map_encoding.hpp"
 
@@ -15,14 +13,10 @@ MapRequestListener::MapRequestListener(const std::shared_ptr<Connection>& connec
 }
 
 void MapRequestListener::take(std::span<const std::byte> message, Clock::time_point now) {
-  const double passed_s = filled_ == Clock::time_point{} ? 0.0 : to_seconds(now - filled_);
-  tokens_ = std::min<double>(kBurst, tokens_ + kPerSecond * passed_s);
-  filled_ = now;
-  if (tokens_ < 1.0) {
+  if (!limit_.admits(now)) {
     ++counters_.limited;
     return;
   }
-  tokens_ -= 1.0;
   const auto request = decode_map_request(message);
   if (!request) {
     ++counters_.malformed;

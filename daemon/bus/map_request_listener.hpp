@@ -9,6 +9,7 @@
 
 #include "core/occupancy/map_delta.hpp"
 #include "daemon/bus/connection.hpp"
+#include "daemon/bus/rate_limit.hpp"
 
 namespace slamd::bus {
 
@@ -41,8 +42,7 @@ class MapRequestListener {
  private:
   Handler handler_;
   MapRequestCounters counters_;
-  Clock::time_point filled_{};  // when tokens_ was right
-  double tokens_ = kBurst;
+  RateLimit limit_{kBurst, kPerSecond};
 };
 
 }  // namespace slamd::bus
