@@ -35,18 +35,6 @@ std::vector<Place> places_of(const Trajectory& truth, double spacing_m) {
   return places;
 }
 
-std::optional<Se3> pose_at(const Trajectory& truth, Stamp stamp) {
-  const auto after = std::lower_bound(truth.begin(), truth.end(), stamp, [](const TimedPose& pose, Stamp s) { return pose.stamp < s; });
-  if (after == truth.end() || (after == truth.begin() && after->stamp != stamp)) {
-    return std::nullopt;
-  }
-  if (after->stamp == stamp) {
-    return after->T;
-  }
-  const TimedPose& before = *std::prev(after);
-  return geometry::interpolate(before.T, after->T, to_seconds(stamp - before.stamp) / to_seconds(after->stamp - before.stamp));
-}
-
 double path_at(const std::vector<Place>& places, Stamp stamp) {
   const auto after = std::lower_bound(places.begin(), places.end(), stamp, [](const Place& place, Stamp s) { return place.stamp < s; });
   return after == places.end() ? places.back().path_m : after->path_m;
@@ -86,8 +74,8 @@ LoopQuality loop_quality_of(const Trajectory& truth, std::span<const ClaimedLoop
   std::vector<double> errors_m;
   std::vector<double> closed_at_m;  // of the way
   for (const ClaimedLoop& loop : loops) {
-    const std::optional<Se3> earlier = pose_at(truth, loop.earlier);
-    const std::optional<Se3> later = pose_at(truth, loop.later);
+    const std::optional<Se3> earlier = interpolated_at(truth, loop.earlier);
+    const std::optional<Se3> later = interpolated_at(truth, loop.later);
     if (!earlier || !later) {
       continue;
     }

@@ -20,25 +20,30 @@ const TimedPose& nearest(const Trajectory& trajectory, Stamp stamp) {
 
 }  // namespace
 
+std::optional<geometry::Se3> interpolated_at(const Trajectory& trajectory, Stamp stamp, Duration max_gap) {
+  const auto after = std::lower_bound(trajectory.begin(), trajectory.end(), stamp, earlier);
+  if (after == trajectory.end()) {
+    return std::nullopt;
+  }
+  if (after->stamp == stamp) {
+    return after->T;
+  }
+  if (after == trajectory.begin()) {
+    return std::nullopt;
+  }
+  const TimedPose& before = *std::prev(after);
+  const Duration gap = after->stamp - before.stamp;
+  if (gap > max_gap) {
+    return std::nullopt;
+  }
+  return geometry::interpolate(before.T, after->T, to_seconds(stamp - before.stamp) / to_seconds(gap));
+}
+
 std::vector<PosePair> associate_interpolated(const Trajectory& reference, const Trajectory& estimate, Duration max_gap) {
   std::vector<PosePair> pairs;
   for (const TimedPose& pose : estimate) {
-    const auto after = std::lower_bound(reference.begin(), reference.end(), pose.stamp, earlier);
-    if (after == reference.end()) {
-      break;
-    }
-    if (after->stamp == pose.stamp) {
-      pairs.push_back({pose.stamp, after->T, pose.T});
-      continue;
-    }
-    if (after == reference.begin()) {
-      continue;
-    }
-    const auto before = std::prev(after);
-    const Duration gap = after->stamp - before->stamp;
-    if (gap <= max_gap) {
-      const double ratio = to_seconds(pose.stamp - before->stamp) / to_seconds(gap);
-      pairs.push_back({pose.stamp, geometry::interpolate(before->T, after->T, ratio), pose.T});
+    if (const auto T = interpolated_at(reference, pose.stamp, max_gap)) {
+      pairs.push_back({pose.stamp, *T, pose.T});
     }
   }
   return pairs;

@@ -24,6 +24,10 @@ struct PosePair {
   geometry::Se3 estimate;
 };
 
+/// Returns the pose at a time, interpolated between its neighbours; nothing outside the trajectory, or in a gap of it longer
+/// than `max_gap`.
+std::optional<geometry::Se3> interpolated_at(const Trajectory& trajectory, Stamp stamp, Duration max_gap = Duration::max());
+
 /// Pairs each estimate with the reference interpolated at its stamp; estimates outside the reference, or in a gap of it
 /// longer than `max_gap`, are left out.
 std::vector<PosePair> associate_interpolated(const Trajectory& reference, const Trajectory& estimate, Duration max_gap);

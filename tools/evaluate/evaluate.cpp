@@ -20,10 +20,7 @@ using evaluation::Statistics;
 using evaluation::Trajectory;
 using nlohmann::ordered_json;
 
-namespace {
-
-
-Trajectory read(const std::string& file, const std::string& times) {
+Trajectory read_trajectory(const std::string& file, const std::string& times) {
   Trajectory trajectory;
   const bool kitti = recording::is_kitti(file);
   if (kitti && times.empty()) {
@@ -42,6 +39,8 @@ Trajectory read(const std::string& file, const std::string& times) {
   }
   return trajectory;
 }
+
+namespace {
 
 std::vector<PosePair> associate(const Options& options, const Trajectory& reference, Trajectory estimate) {
   for (evaluation::TimedPose& pose : estimate) {
@@ -154,7 +153,7 @@ std::string evaluate(const Options& options) {
     resolved.rule.delta *= kDegree;
   }
   const std::vector<PosePair> pairs =
-      associate(resolved, read(options.reference, options.times), read(options.estimate, options.times));
+      associate(resolved, read_trajectory(options.reference, options.times), read_trajectory(options.estimate, options.times));
   Measures measures = measure(pairs, resolved);
   if (!resolved.motions.empty()) {
     std::vector<evaluation::MotionClaim> claims = read_motions(resolved.motions);

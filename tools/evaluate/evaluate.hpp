@@ -22,6 +22,10 @@ struct Options {
   bool evo = false;
 };
 
+/// Reads a trajectory: TUM, or KITTI rows with the file of their stamps.
+/// Errors: RecordingError for one that cannot be read, is empty, or whose stamps do not grow.
+evaluation::Trajectory read_trajectory(const std::string& file, const std::string& times = {});
+
 /// All measures of one comparison. Units: m, rad; shares as such.
 struct Measures {
   std::size_t pairs = 0;

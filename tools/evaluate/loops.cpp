@@ -6,8 +6,8 @@
 #include <nlohmann/json.hpp>
 
 #include "core/base/units.hpp"
-#include "drivers/recording/tum.hpp"
 #include "drivers/storage/session_reader.hpp"
+#include "tools/evaluate/evaluate.hpp"
 
 namespace slamd::evaluate {
 
@@ -62,15 +62,11 @@ std::string json_of(const LoopQuality& quality) {
 }
 
 std::string evaluate_loops(const LoopOptions& options) {
-  evaluation::Trajectory truth;
-  for (const recording::StampedPose& pose : recording::read_tum(options.truth)) {
-    truth.push_back({pose.stamp, pose.T});
-  }
   evaluation::RevisitRule rule;
   rule.near_m = options.near_m;
   rule.view_rad = options.view_deg * kDegree;
   rule.within_m = options.within_m;
-  const LoopQuality quality = evaluation::loop_quality_of(truth, read_loops(options.session), rule);
+  const LoopQuality quality = evaluation::loop_quality_of(read_trajectory(options.truth), read_loops(options.session), rule);
   return options.json ? json_of(quality) : table_of(quality);
 }
 
