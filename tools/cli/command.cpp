@@ -17,8 +17,6 @@ Option Option::value_name(const std::string& name) const { return Option(option_
 
 Option Option::unlabelled() const { return Option(option_->option_text(" ")); }
 
-Option Option::group(const std::string& heading) const { return Option(option_->group(heading)); }
-
 Option Option::within(double least, double most) const { return Option(option_->check(CLI::Range(least, most))); }
 
 Option Option::within(int least, int most) const { return Option(option_->check(CLI::Range(least, most))); }
@@ -46,9 +44,17 @@ Option Option::take_all() const { return Option(option_->take_all()); }
 
 Option Option::commas(int count) const { return Option(option_->delimiter(',')->expected(count)); }
 
+Command Command::under(const std::string& heading) const {
+  Command command(app_);
+  command.heading_ = heading;
+  return command;
+}
+
+Option Command::listed(CLI::Option* option) const { return Option(heading_.empty() ? option : option->group(heading_)); }
+
 template <typename T>
 Option Command::option(const std::string& name, T& value, const std::string& help) const {
-  return Option(app_->add_option(name, value, help));
+  return listed(app_->add_option(name, value, help));
 }
 
 template Option Command::option(const std::string&, std::string&, const std::string&) const;
@@ -64,11 +70,11 @@ template Option Command::option(const std::string&, std::vector<std::uint16_t>&,
 template Option Command::option(const std::string&, std::vector<std::uint64_t>&, const std::string&) const;
 
 Option Command::flag(const std::string& name, bool& value, const std::string& help) const {
-  return Option(app_->add_flag(name, value, help));
+  return listed(app_->add_flag(name, value, help));
 }
 
 Option Command::action(const std::string& name, const std::function<void()>& act, const std::string& help) const {
-  return Option(app_->add_flag_callback(name, act, help)->trigger_on_parse());
+  return listed(app_->add_flag_callback(name, act, help)->trigger_on_parse());
 }
 
 Command Command::command(const std::string& name, const std::string& help) const { return Command(app_->add_subcommand(name, help)); }

@@ -39,9 +39,6 @@ class Option {
   /// The help names no kind of value behind the argument.
   Option unlabelled() const;
 
-  /// The help lists it under this heading.
-  Option group(const std::string& heading) const;
-
   // What is allowed; anything else is bad usage, said in one line.
   Option within(double least, double most) const;
   Option within(int least, int most) const;
@@ -67,6 +64,9 @@ class Command {
  public:
   Command() = default;
   explicit Command(CLI::App* app) : app_(app) {}
+
+  /// The same command: the help lists what is declared through it under this heading.
+  Command under(const std::string& heading) const;
 
   /// A value: a name that begins with "--", or the name of an argument that stands by itself. `value` outlives the parsing.
   /// T: std::string, std::filesystem::path, int, double, float, std::uint64_t, or a vector of std::string, int, double,
@@ -102,7 +102,10 @@ class Command {
   std::string given_command() const;
 
  private:
+  Option listed(CLI::Option* option) const;
+
   CLI::App* app_ = nullptr;
+  std::string heading_;  // empty: CLI11's own
 };
 
 /// What a program is called with.

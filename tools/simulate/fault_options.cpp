@@ -101,12 +101,12 @@ Bursts bursts(const std::string& text) {
 
 }  // namespace
 
-void declare(const cli::Command& app, FaultOptions& options, const std::string& group) {
+void declare(const cli::Command& app, FaultOptions& options) {
   const auto add = [&](const char* name, auto& value, const char* help) {
-    app.option(name, value, help).group(group).take_all();
+    app.option(name, value, help).take_all();
   };
   const auto add_one = [&](const char* name, std::string& value, const char* help) {
-    app.option(name, value, help).group(group);
+    app.option(name, value, help);
   };
   add_one("--drop", options.drop, "Share of all packets that are lost, as 1%");
   add_one("--burst", options.burst, "COUNTxPACKETS, as 3x50: bursts of packets lost in a row");
@@ -128,7 +128,7 @@ void declare(const cli::Command& app, FaultCommand& command) {
   app.option("OUT", command.out, "Directory of the damaged copy").required();
   app.flag("--force", command.force, "Write into a directory that is not empty");
   app.option("--seed", command.seed, "Of everything that is left to chance").shows_default();
-  declare(app, command.faults, "Faults");
+  declare(app.under("Faults"), command.faults);
   app.footer(
       "Moments count from the recording's first packet. OUT/faults.json says what was done, and what report.json must "
       "count.");

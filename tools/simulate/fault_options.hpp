@@ -24,8 +24,8 @@ struct FaultCommand {
   FaultOptions faults;
 };
 
-/// Declares the faults, in a group of the help.
-void declare(const cli::Command& app, FaultOptions& options, const std::string& group);
+/// Declares the faults.
+void declare(const cli::Command& app, FaultOptions& options);
 
 void declare(const cli::Command& app, FaultCommand& command);
 

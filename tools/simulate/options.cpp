@@ -76,131 +76,71 @@ void check_live(const Options& options, const Drive& drive) {
 }  // namespace
 
 void declare(const cli::Command& app, Options& options) {
+  const cli::Command output = app.under(kOutput);
+  const cli::Command place = app.under(kPlace);
+  const cli::Command sensors = app.under(kSensors);
+  const cli::Command live = app.under(kLive);
   Drive& drive = options.drive;
-  app.option("--out", options.out, "Directory of the recording to be made").group(kOutput);
-  app.flag("--force", options.force, "Write into a directory that is not empty").group(kOutput);
-  app.flag("--map", drive.map, "Also write true_map.ply").group(kOutput);
-  app.flag("--localisability", drive.localisability,
-               "Also write localisability.csv: how well the true surfaces hold the position")
-      .group(kOutput);
-  app.option("--preview", options.preview, "Also write a PNG of world, path and one scan").group(kOutput);
-  app.flag("--replay", options.replay,
-               "Map the drive as slamd-replay would, without writing the recording; products go to --out")
-      .group(kOutput);
-  app.option("--threads", drive.threads, "Of the ray casting; any number gives the same bytes")
-      .within(1, 64)
-      .shows_default()
-      .group(kOutput);
+  output.option("--out", options.out, "Directory of the recording to be made");
+  output.flag("--force", options.force, "Write into a directory that is not empty");
+  output.flag("--map", drive.map, "Also write true_map.ply");
+  output.flag("--localisability", drive.localisability,
+      "Also write localisability.csv: how well the true surfaces hold the position");
+  output.option("--preview", options.preview, "Also write a PNG of world, path and one scan");
+  output.flag("--replay", options.replay,
+      "Map the drive as slamd-replay would, without writing the recording; products go to --out");
+  output.option("--threads", drive.threads, "Of the ray casting; any number gives the same bytes").within(1, 64).shows_default();
 
-  app.option("--world", drive.world, "Where to drive")
-      .one_of(world_names())
-      .shows_default()
-      .group(kPlace);
-  app.option("--mesh", options.mesh, "A PLY mesh to drive in, in place of a world").group(kPlace);
-  app.option("--waypoints", options.waypoints, "CSV of x,y (m): the corners of the tour").group(kPlace);
-  app.option("--seed", drive.seed, "Of world, tour and noise").shows_default().group(kPlace);
-  app.option("--duration", drive.duration_s, "Length of the drive, s")
-      .within(5.0, 3600.0)
-      .shows_default()
-      .group(kPlace);
-  app.option("--speed", drive.speed_mps, "Pace, m/s")
-      .within(0.1, 10.0)
-      .shows_default()
-      .group(kPlace);
-  app.option("--rest", drive.rest_s, "Standing still at the start, s")
-      .within(0.0, 60.0)
-      .shows_default()
-      .group(kPlace);
-  app.option("--vehicle", options.vehicle, "What drives")
-      .one_of({"ackermann", "skid_steer", "handheld"})
-      .shows_default()
-      .group(kPlace);
-  app.option("--turn-rate", options.turn_rate_degps, "Of turns on the spot, °/s")
-      .within(5.0, 120.0)
-      .shows_default()
-      .group(kPlace);
-  app.option("--bumps", drive.bumps_per_100m, "Cable ramps of 5 cm in 100 m")
-      .within(0.0, 50.0)
-      .shows_default()
-      .group(kPlace);
-  app.option("--vibration", drive.vibration_mps2, "Of the body while it moves, m/s² rms")
-      .within(0.0, 5.0)
-      .shows_default()
-      .group(kPlace);
-  app.option("--cars", drive.extras.cars, "That drive about (town, campus, harbour)")
-      .within(0, 100)
-      .shows_default()
-      .group(kPlace);
-  app.option("--people", drive.extras.people, "That walk about")
-      .within(0, 200)
-      .shows_default()
-      .group(kPlace);
+  place.option("--world", drive.world, "Where to drive").one_of(world_names()).shows_default();
+  place.option("--mesh", options.mesh, "A PLY mesh to drive in, in place of a world");
+  place.option("--waypoints", options.waypoints, "CSV of x,y (m): the corners of the tour");
+  place.option("--seed", drive.seed, "Of world, tour and noise").shows_default();
+  place.option("--duration", drive.duration_s, "Length of the drive, s").within(5.0, 3600.0).shows_default();
+  place.option("--speed", drive.speed_mps, "Pace, m/s").within(0.1, 10.0).shows_default();
+  place.option("--rest", drive.rest_s, "Standing still at the start, s").within(0.0, 60.0).shows_default();
+  place.option("--vehicle", options.vehicle, "What drives").one_of({"ackermann", "skid_steer", "handheld"}).shows_default();
+  place.option("--turn-rate", options.turn_rate_degps, "Of turns on the spot, °/s").within(5.0, 120.0).shows_default();
+  place.option("--bumps", drive.bumps_per_100m, "Cable ramps of 5 cm in 100 m").within(0.0, 50.0).shows_default();
+  place.option("--vibration", drive.vibration_mps2, "Of the body while it moves, m/s² rms").within(0.0, 5.0).shows_default();
+  place.option("--cars", drive.extras.cars, "That drive about (town, campus, harbour)").within(0, 100).shows_default();
+  place.option("--people", drive.extras.people, "That walk about").within(0, 200).shows_default();
 
-  app.option("--lidar", options.lidar, "Sensor")
-      .one_of({"vlp16", "vlp32c", "hdl32e", "livox_avia", "livox_mid360"})
-      .shows_default()
-      .group(kSensors);
-  app.option("--returns", options.returns, "strongest, dual; Avia: first, strongest, dual, triple")
-      .one_of({"first", "strongest", "dual", "triple"})
-      .group(kSensors);
-  app.option("--scan-pattern", options.pattern, "Avia: non_repetitive, or a repeated band of 70° × 4.5°")
-      .one_of({"non_repetitive", "repetitive"})
-      .group(kSensors);
-  app.option("--coordinates", options.coordinates, "Avia: of the points in its packets")
-      .one_of({"cartesian", "spherical"})
-      .group(kSensors);
-  app.option("--range-noise", options.range_noise_m, "In place of the model's, 1σ, m")
-      .within(0.0, 1.0)
-      .group(kSensors);
-  app.option("--beam-bias", options.beam_bias_m, "Of each beam, in place of the model's, 1σ, m")
-      .within(0.0, 1.0)
-      .group(kSensors);
-  app.flag("--mixed-pixels", drive.mixed_pixels, "Beams have a width: edges give points in between, or two echoes")
-      .group(kSensors);
-  app.option("--rain", drive.drops_per_m, "Rain or dust: chance of an echo from the air in each metre")
-      .within(0.0, 0.2)
-      .shows_default()
-      .group(kSensors);
-  app.option("--imu-rate", drive.imu_rate_hz, "Of the external inertial sensor, Hz")
-      .within(50.0, 1000.0)
-      .shows_default()
-      .group(kSensors);
-  app.option("--can", options.can, "Inertial sensor and wheels on a CAN bus: also write can.log, and have recording.toml name it")
-      .one_of({"xsens", "aceinna"})
-      .group(kSensors);
-  app.flag("--perfect-imu", options.perfect_imu, "Inertial sensors without any error").group(kSensors);
-  app.flag("--no-sky", options.covered, "GNSS never has a fix").group(kSensors);
-  app.option("--drive", options.drive_to,
-                     "HOST[:DATA_PORT[:POSITION_PORT]]: drive a skid-steered vehicle by velocity commands from LCM in real "
-                     "time, and send its packets there; --out is then optional")
-          .excludes({"--vehicle", "--waypoints", "--replay", "--preview"})
-          .group(kLive);
-  app.flag("--live", options.live,
-               "As --drive, but a Livox is a device on the network: a host finds, sets and starts it, and gets its packets")
-      .excludes({"--drive", "--vehicle", "--waypoints", "--replay", "--preview"})
-      .group(kLive);
-  app.option("--device-code", options.device_code, "With --live: its broadcast code or serial number").group(kLive);
-  app.option("--device-extrinsic", options.device_extrinsic,
-                 "With --live: X,Y,Z,ROLL,PITCH,YAW that is stored in the device (m, °); it moves no point")
+  sensors.option("--lidar", options.lidar, "Sensor").one_of({"vlp16", "vlp32c", "hdl32e", "livox_avia", "livox_mid360"}).shows_default();
+  sensors.option("--returns", options.returns, "strongest, dual; Avia: first, strongest, dual, triple")
+      .one_of({"first", "strongest", "dual", "triple"});
+  sensors.option("--scan-pattern", options.pattern, "Avia: non_repetitive, or a repeated band of 70° × 4.5°")
+      .one_of({"non_repetitive", "repetitive"});
+  sensors.option("--coordinates", options.coordinates, "Avia: of the points in its packets").one_of({"cartesian", "spherical"});
+  sensors.option("--range-noise", options.range_noise_m, "In place of the model's, 1σ, m").within(0.0, 1.0);
+  sensors.option("--beam-bias", options.beam_bias_m, "Of each beam, in place of the model's, 1σ, m").within(0.0, 1.0);
+  sensors.flag("--mixed-pixels", drive.mixed_pixels, "Beams have a width: edges give points in between, or two echoes");
+  sensors.option("--rain", drive.drops_per_m, "Rain or dust: chance of an echo from the air in each metre").within(0.0, 0.2).shows_default();
+  sensors.option("--imu-rate", drive.imu_rate_hz, "Of the external inertial sensor, Hz").within(50.0, 1000.0).shows_default();
+  sensors.option("--can", options.can, "Inertial sensor and wheels on a CAN bus: also write can.log, and have recording.toml name it")
+      .one_of({"xsens", "aceinna"});
+  sensors.flag("--perfect-imu", options.perfect_imu, "Inertial sensors without any error");
+  sensors.flag("--no-sky", options.covered, "GNSS never has a fix");
+
+  live.option("--drive", options.drive_to,
+      "HOST[:DATA_PORT[:POSITION_PORT]]: drive a skid-steered vehicle by velocity commands from LCM in real "
+      "time, and send its packets there; --out is then optional")
+      .excludes({"--vehicle", "--waypoints", "--replay", "--preview"});
+  live.flag("--live", options.live,
+      "As --drive, but a Livox is a device on the network: a host finds, sets and starts it, and gets its packets")
+      .excludes({"--drive", "--vehicle", "--waypoints", "--replay", "--preview"});
+  live.option("--device-code", options.device_code, "With --live: its broadcast code or serial number");
+  live.option("--device-extrinsic", options.device_extrinsic,
+      "With --live: X,Y,Z,ROLL,PITCH,YAW that is stored in the device (m, °); it moves no point")
       .commas(6)
-      .within(-360.0, 360.0)
-      .group(kLive);
-  app.flag("--pps", options.pps, "With --live, an Avia: a PPS line that beats with the wall clock; told the UTC, it follows GPS")
-      .group(kLive);
-  app.option("--imu-to", options.imu_to, "Where inertial samples go: udp:HOST:PORT, pty:LINKPATH, or as an emulated sensor sends them, xsens:LINKPATH, mip:LINKPATH")
-      .group(kLive);
-  app.option("--gnss-to", options.gnss_to, "Where fixes go, as an emulated receiver sends them: nmea:LINKPATH, ubx:LINKPATH, or both:LINKPATH")
-      .group(kLive);
-  app.option("--can-to", options.can_to, "The CAN interface on which inertial sensor and wheels speak as --can says, such as vcan0")
-      .group(kLive);
-  app.option("--url", options.lcm_url, "LCM's, for commands and truth")
-      .shows_default(std::string(bus::kDefaultUrl))
-      .group(kLive);
-  app.option("--prefix", options.lcm_prefix, "Of the channels")
-      .shows_default(std::string(bus::kDefaultPrefix))
-      .group(kLive);
-  app.flag("--json", options.json, "Print the counts as JSON").group(kLive);
-  declare(app, options.faults, "Faults of what the sensors send, told in faults.json");
+      .within(-360.0, 360.0);
+  live.flag("--pps", options.pps, "With --live, an Avia: a PPS line that beats with the wall clock; told the UTC, it follows GPS");
+  live.option("--imu-to", options.imu_to, "Where inertial samples go: udp:HOST:PORT, pty:LINKPATH, or as an emulated sensor sends them, xsens:LINKPATH, mip:LINKPATH");
+  live.option("--gnss-to", options.gnss_to, "Where fixes go, as an emulated receiver sends them: nmea:LINKPATH, ubx:LINKPATH, or both:LINKPATH");
+  live.option("--can-to", options.can_to, "The CAN interface on which inertial sensor and wheels speak as --can says, such as vcan0");
+  live.option("--url", options.lcm_url, "LCM's, for commands and truth").shows_default(std::string(bus::kDefaultUrl));
+  live.option("--prefix", options.lcm_prefix, "Of the channels").shows_default(std::string(bus::kDefaultPrefix));
+  live.flag("--json", options.json, "Print the counts as JSON");
+  declare(app.under("Faults of what the sensors send, told in faults.json"), options.faults);
 }
 
 DeviceOptions device_options_of(const Options& options) {
